@@ -1,0 +1,18 @@
+// Clocks of the machine.
+// In      nothing.
+// Out     now(): monotonic, the same clock as every sensor stamp.
+//         cpu_time(): CPU time used by this core (Linux: this thread); only differences count.
+// Frames  none.
+// Errors  none; a machine without a clock does not start.
+// Cost    Below 1 us each (Linux: now() 30 ns through the vDSO, cpu_time() a system call).
+// Source  STYLE principle 3: one definition per backend, chosen by linking.
+#pragma once
+
+#include "core/base/time.h"
+
+namespace pirvs::bsp {
+
+TimeNs now();
+TimeNs cpu_time();
+
+}  // namespace pirvs::bsp

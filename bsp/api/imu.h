@@ -1,0 +1,28 @@
+// The IMU: samples in the order of their stamps.
+// In      Poll until kEmpty.
+// Out     The oldest sample not yet polled. t: on the clock of now(), taken in the driver.
+// Frames  B: IMU body. w_B angular rate (rad/s), f_B specific force (m/s^2; +g up at rest).
+// Errors  kEmpty: nothing now. kStale: the stream has ended. kFull: samples were lost before this
+//         one, which is good. kTimeout, kBusFault, kBadData: the device's fault, out is undefined.
+// Cost    A poll never waits.
+// Source  DESIGN, "One way for the data".
+#pragma once
+
+#include "core/base/status.h"
+#include "core/base/time.h"
+#include "core/math/types.h"
+
+namespace pirvs {
+
+struct ImuSample {
+  TimeNs t = 0;
+  Vec3 w_B = Vec3::Zero();
+  Vec3 f_B = Vec3::Zero();
+};
+
+namespace bsp {
+
+Status imu_poll(ImuSample& out);
+
+}  // namespace bsp
+}  // namespace pirvs
