@@ -1,0 +1,97 @@
+// The sparse map: landmarks seen by keyframes, in fixed pools; mapping owns and changes it.
+// Frames  W: world, z up. B: body. C: camera. Pixels: distorted, (0,0) = centre of the first pixel.
+// Units   m, m/s, rad, px, ns. Landmark::cov in m^2, in W.
+// Errors  handles of released objects find nothing; full pools are counted by mapping.
+// Cost    memory only: see kKeyframesMax and kLandmarksMax.
+// Source  PIRVS paper, section IV.C.
+#pragma once
+
+#include "core/base/time.h"
+#include "core/kernels/describe/describe.h"
+#include "core/math/se3.h"
+#include "core/store/fixed_vector.h"
+#include "core/store/pool.h"
+#include "modules/frontend/frontend.h"
+#include "modules/imu/preintegration.h"
+
+namespace pirvs {
+
+inline constexpr size_t kKeyframesMax = 384;
+inline constexpr size_t kLandmarksMax = 8192;
+
+struct Keyframe;
+using KeyframeId = Handle<Keyframe>;
+
+struct Landmark {
+  Vec3 p_W = Vec3::Zero();
+  Mat3 cov = Mat3::Zero();
+  Descriptor descriptor{};
+  Vec3 view_W = Vec3::Zero();  // unit vector from the point to where it was first seen
+  float distance_m = 0;        // from there
+  uint16_t views = 0;          // observations in the map's keyframes, both cameras
+  uint32_t last_keyframe = 0;  // sequence number of the newest keyframe that saw it
+  TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
+};
+
+// The state of the body at one instant.
+struct BodyState {
+  TimeNs t = 0;
+  SE3 T_WB;
+  Vec3 v_WB = Vec3::Zero();
+  Vec3 b_g = Vec3::Zero(), b_a = Vec3::Zero();
+};
+
+struct Observation {
+  LandmarkId landmark;  // invalid: not (yet) triangulated
+  TrackId track = 0;
+  float x = 0, y = 0;
+  bool described = false;
+  int16_t stereo = -1;  // index in the other camera's list, same scene point
+  Descriptor descriptor{};
+};
+using Observations = FixedVector<Observation, kTracksMax>;
+
+struct Keyframe {
+  uint32_t sequence = 0;  // 1, 2, 3 ... in order of time
+  BodyState state;
+  Observations observations[kCamerasMax];
+  Preintegration from_previous;  // motion since keyframe `sequence - 1`
+  bool linked = false;           // from_previous holds
+};
+
+struct Map {
+  Pool<Landmark, kLandmarksMax> landmarks;
+  Pool<Keyframe, kKeyframesMax> keyframes;
+};
+
+// What tracking needs of a landmark, copied out of the map so that both sides can run at once.
+struct MapPoint {
+  LandmarkId id;
+  Vec3 p_W;
+  Mat3 cov;
+  Descriptor descriptor;
+  Vec3 view_W;
+  float distance_m;
+  TrackId track[kCamerasMax];
+};
+
+// Mapping's word to tracking after each adjustment, by mailbox.
+struct MapSnapshot {
+  uint32_t keyframe = 0;        // sequence of the newest adjusted keyframe
+  BodyState state;              // of that keyframe, refined
+  Mat15 cov = Mat15::Zero();    // of that state: theta, p, v, b_g, b_a
+  FixedVector<MapPoint, kLandmarksMax> points;
+};
+
+// Tracking's word to mapping, by ring: a new keyframe as it was tracked.
+struct KeyframeMessage {
+  uint32_t sequence = 0;
+  BodyState state;
+  Observations observations[kCamerasMax];
+  Preintegration from_previous;
+  bool linked = false;
+  bool adjust = true;  // false: more keyframes follow at once (start-up)
+  bool restart = false;  // forget the old map first
+};
+
+}  // namespace pirvs

@@ -1,0 +1,42 @@
+// Finds map points again that no track follows: projects them with the predicted pose and takes the
+// nearest descriptor among the unmatched tracks inside a window that follows from the covariance.
+// In      a MapView, the predicted pose with its 6 x 6 covariance (theta in B, p in W), one camera.
+// Out     Track::landmark of matched tracks.
+// Frames  W, B, C as everywhere.
+// Errors  none; what was looked at and matched is counted.
+// Cost    ~60 ns a candidate point, x86-64.
+// Source  PIRVS paper, section IV.A, last paragraphs.
+#pragma once
+
+#include "core/camera/camera.h"
+#include "modules/map/map.h"
+#include "modules/tracking/tracking_params.h"
+
+namespace pirvs {
+
+// A MapSnapshot with an index, and the short list of points that may be in view.
+class MapView {
+ public:
+  void assign(const MapSnapshot& snapshot, const SE3& T_WB, const Camera* cameras, int count);
+  void clear();
+  const MapPoint* find(LandmarkId id) const;
+  const FixedVector<uint16_t, kLandmarksMax>& local() const { return local_; }
+  const MapPoint& point(uint16_t index) const { return snapshot_->points[index]; }
+  bool empty() const { return snapshot_ == nullptr; }
+
+ private:
+  const MapSnapshot* snapshot_ = nullptr;
+  uint16_t index_[kLandmarksMax];  // slot -> place in snapshot_->points
+  FixedVector<uint16_t, kLandmarksMax> local_;
+};
+
+struct PosePrediction {
+  SE3 T_WB;
+  Mat6 cov = Mat6::Zero();
+};
+
+// Returns the number of new associations.
+int match_by_projection(const MapView& view, const PosePrediction& pose, const Camera& camera,
+                        const TrackerParams& params, Tracks& tracks);
+
+}  // namespace pirvs

@@ -1,0 +1,203 @@
+#include "modules/tracking/filter.h"
+
+#include <cmath>
+#include <iterator>
+
+#include "core/math/so3.h"
+
+namespace pirvs {
+namespace {
+
+enum : int { kTheta = 0, kPos = 3, kVel = 6, kBg = 9, kBa = 12 };
+
+}  // namespace
+
+const char* name(Gate gate) {
+  static constexpr const char* kNames[] = {"accepted", "behind_camera", "chi2"};
+  static_assert(std::size(kNames) == static_cast<size_t>(Gate::kCount));
+  return kNames[static_cast<size_t>(gate)];
+}
+
+BodyState boxplus(const BodyState& state, const Vec15& delta) {
+  BodyState out = state;
+  out.T_WB.R = orthonormalized(state.T_WB.R * so3_exp(delta.segment<3>(kTheta)));
+  out.T_WB.p += delta.segment<3>(kPos);
+  out.v_WB += delta.segment<3>(kVel);
+  out.b_g += delta.segment<3>(kBg);
+  out.b_a += delta.segment<3>(kBa);
+  return out;
+}
+
+Vec15 boxminus(const BodyState& a, const BodyState& b) {
+  Vec15 delta;
+  delta.segment<3>(kTheta) = so3_log(b.T_WB.R.transpose() * a.T_WB.R);
+  delta.segment<3>(kPos) = a.T_WB.p - b.T_WB.p;
+  delta.segment<3>(kVel) = a.v_WB - b.v_WB;
+  delta.segment<3>(kBg) = a.b_g - b.b_g;
+  delta.segment<3>(kBa) = a.b_a - b.b_a;
+  return delta;
+}
+
+void Filter::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& params) {
+  for (int c = 0; c < kCamerasMax; ++c) {
+    camera_[c] = cameras[c];
+    T_CB_[c] = cameras[c].T_BC.inverse();
+  }
+  noise_ = noise;
+  params_ = params;
+  has_sample_ = false;
+}
+
+void Filter::reset(const BodyState& state, const Mat15& cov) {
+  state_ = state;
+  cov_ = cov;
+  has_sample_ = false;
+}
+
+void Filter::propagate(const ImuSample& sample) {
+  if (!has_sample_) {
+    last_ = sample;
+    has_sample_ = true;
+    state_.t = sample.t;
+    return;
+  }
+  const double dt = to_seconds(sample.t - last_.t);
+  const Mat3 R0 = state_.T_WB.R;
+  const Vec3 theta = (0.5 * (last_.w_B + sample.w_B) - state_.b_g) * dt;
+  const Mat3 step_R = so3_exp(theta);
+  const Mat3 R1 = R0 * step_R;
+  const Vec3 a0 = last_.f_B - state_.b_a, a1 = sample.f_B - state_.b_a;
+  const Vec3 a_W = 0.5 * (R0 * a0 + R1 * a1) - Vec3(0, 0, kGravity_m_s2);  // eq. 3
+
+  Mat15 F = Mat15::Identity();
+  const Mat3 da_dtheta = -0.5 * (R0 * skew(a0) + R1 * skew(a1) * step_R.transpose());
+  const Mat3 da_dbg = 0.5 * R1 * skew(a1) * right_jacobian(theta) * dt;
+  const Mat3 da_dba = -0.5 * (R0 + R1);
+  F.block<3, 3>(kTheta, kTheta) = step_R.transpose();
+  F.block<3, 3>(kTheta, kBg) = -right_jacobian(theta) * dt;
+  F.block<3, 3>(kPos, kTheta) = 0.5 * da_dtheta * dt * dt;
+  F.block<3, 3>(kPos, kVel) = Mat3::Identity() * dt;
+  F.block<3, 3>(kPos, kBg) = 0.5 * da_dbg * dt * dt;
+  F.block<3, 3>(kPos, kBa) = 0.5 * da_dba * dt * dt;
+  F.block<3, 3>(kVel, kTheta) = da_dtheta * dt;
+  F.block<3, 3>(kVel, kBg) = da_dbg * dt;
+  F.block<3, 3>(kVel, kBa) = da_dba * dt;
+  const Mat15 FP = F * cov_;
+  cov_.noalias() = FP * F.transpose();
+  const double s2 = params_.imu_noise_scale * params_.imu_noise_scale;
+  const auto square = [](double x) { return x * x; };
+  cov_.diagonal().segment<3>(kTheta).array() += s2 * square(noise_.gyro_noise) * dt;
+  cov_.diagonal().segment<3>(kVel).array() += s2 * square(noise_.accel_noise) * dt;
+  cov_.diagonal().segment<3>(kPos).array() += 0.25 * s2 * square(noise_.accel_noise * dt) * dt;
+  cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
+  cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
+  cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
+
+  state_.T_WB.p += state_.v_WB * dt + 0.5 * a_W * dt * dt;  // eq. 5
+  state_.v_WB += a_W * dt;                                  // eq. 4
+  state_.T_WB.R = orthonormalized(R1);                      // eqs. 1, 2
+  state_.t = sample.t;
+  last_ = sample;
+}
+
+// Residual z - h(x), its Jacobian to theta and p (of h), and its noise with the point's own.
+bool Filter::residual(const BodyState& at, const Correspondence& c, Vec2& r, Mat26& J,
+                      Mat2& R) const {
+  const Mat3 R_BW = at.T_WB.R.transpose();
+  const Vec3 p_B = R_BW * (c.p_W - at.T_WB.p);
+  const SE3& T_CB = T_CB_[c.camera];
+  Vec2 uv;
+  Mat23 J_C;
+  if (!camera_[c.camera].project(T_CB * p_B, uv, J_C)) return false;
+  r = c.uv - uv;
+  const Mat23 J_B = J_C * T_CB.R;
+  const Mat23 J_W = J_B * R_BW;
+  J.leftCols<3>() = J_B * skew(p_B);
+  J.rightCols<3>() = -J_W;
+  R = params_.point_cov_scale * J_W * c.cov_W * J_W.transpose();
+  R.diagonal().array() += c.sigma_px * c.sigma_px;
+  return true;
+}
+
+int Filter::gate(Correspondences& correspondences) const {
+  int accepted = 0;
+  for (Correspondence& c : correspondences) {
+    Vec2 r;
+    Mat26 J;
+    Mat2 R;
+    c.gate = Gate::kBehindCamera;
+    if (!residual(state_, c, r, J, R)) continue;
+    const Mat2 S = J * cov_.topLeftCorner<6, 6>() * J.transpose() + R;
+    const double chi2 = r.dot(S.inverse() * r);
+    c.gate = chi2 < params_.chi2_max ? Gate::kAccepted : Gate::kChi2;
+    if (c.gate == Gate::kAccepted) ++accepted;
+  }
+  return accepted;
+}
+
+PoseInformation Filter::linearize(const BodyState& at,
+                                  const Correspondences& correspondences) const {
+  PoseInformation info;
+  for (const Correspondence& c : correspondences) {
+    Vec2 r;
+    Mat26 J;
+    Mat2 R;
+    if (c.gate != Gate::kAccepted || !residual(at, c, r, J, R)) continue;
+    const Mat2 R_inverse = R.inverse();
+    const double e = std::sqrt(r.dot(R_inverse * r));
+    const double weight = e > params_.huber_sigma ? params_.huber_sigma / e : 1.0;
+    const Mat26 WJ = weight * R_inverse * J;
+    info.A.noalias() += J.transpose() * WJ;
+    info.b.noalias() += WJ.transpose() * r;
+  }
+  return info;
+}
+
+// Only theta and p are observed, so the gain needs one 6 x 6 solve however many points there are:
+// K S K' = P_c (I + A P_pp)^-1 A P_c', with P_c the first six columns of P.
+int Filter::update(Correspondences& correspondences) {
+  const int accepted = gate(correspondences);
+  if (accepted == 0) return 0;
+  const Mat6 P_pp = cov_.topLeftCorner<6, 6>();
+  const Eigen::Matrix<double, 15, 6> P_c = cov_.leftCols<6>();
+  const BodyState prior = state_;
+  Vec15 delta = Vec15::Zero();
+  Mat6 gain_core = Mat6::Zero();
+  for (int i = 0; i < static_cast<int>(params_.iterations_max); ++i) {
+    const PoseInformation info = linearize(state_, correspondences);
+    const auto solver = (Mat6::Identity() + info.A * P_pp).partialPivLu();
+    const Vec15 next = P_c * solver.solve(info.b + info.A * delta.head<6>());
+    gain_core = solver.solve(info.A);
+    const double step = (next - delta).head<6>().norm();
+    delta = next;
+    state_ = boxplus(prior, delta);
+    state_.t = prior.t;
+    if (step < 1e-5) break;
+  }
+  cov_ -= P_c * gain_core * P_c.transpose();
+  cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
+  return accepted;
+}
+
+template <int N>
+void Filter::fuse_linear(const Eigen::Matrix<double, N, 15>& H,
+                         const Eigen::Matrix<double, N, 1>& r, double sigma) {
+  using MatN = Eigen::Matrix<double, N, N>;
+  const Eigen::Matrix<double, 15, N> PH = cov_ * H.transpose();
+  const MatN S = H * PH + sigma * sigma * MatN::Identity();
+  const Eigen::Matrix<double, 15, N> K = PH * S.inverse();
+  state_ = boxplus(state_, K * r);
+  cov_ -= K * PH.transpose();
+  cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
+}
+
+void Filter::update_standstill(const Vec3& w_mean_B) {
+  Eigen::Matrix<double, 3, 15> H = Eigen::Matrix<double, 3, 15>::Zero();
+  H.block<3, 3>(0, kVel).setIdentity();
+  fuse_linear<3>(H, -state_.v_WB, params_.standstill_sigma_m_s);
+  H.setZero();
+  H.block<3, 3>(0, kBg).setIdentity();
+  fuse_linear<3>(H, w_mean_B - state_.b_g, params_.standstill_sigma_rad_s);
+}
+
+}  // namespace pirvs

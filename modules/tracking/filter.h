@@ -1,0 +1,76 @@
+// The iterated error-state Kalman filter: the only writer of the tracked state and its covariance.
+// In      IMU samples in order; 3D-2D correspondences of both cameras; standstill pseudo-measurements.
+// Out     BodyState and its 15 x 15 covariance, error order theta (in B, right), p, v (in W), b_g, b_a.
+// Frames  W: world, z up; B: IMU; gravity is (0, 0, -kGravity) in W.
+// Errors  correspondences are gated one by one; the gate's verdict is left in each of them.
+// Cost    propagate ~3 us a sample, update ~0.25 us a correspondence and iteration, x86-64.
+// Source  PIRVS paper, eqs. 1 to 6; Bell, Cathey, TAC 1993 (iterated EKF as Gauss-Newton).
+#pragma once
+
+#include "modules/imu/imu_sample.h"
+#include "core/camera/camera.h"
+#include "modules/map/map.h"
+#include "modules/tracking/tracking_params.h"
+
+namespace pirvs {
+
+inline constexpr double kGravity_m_s2 = 9.81;
+
+enum class Gate : uint8_t { kAccepted, kBehindCamera, kChi2, kCount };
+const char* name(Gate gate);
+
+struct Correspondence {
+  Vec3 p_W;
+  Mat3 cov_W;  // of p_W, m^2
+  Vec2 uv;
+  double sigma_px;
+  int camera;
+  Gate gate;
+};
+using Correspondences = FixedVector<Correspondence, kCamerasMax * kTracksMax>;
+
+// Pose part of an information filter: A = sum J' R^-1 J, b = sum J' R^-1 r, over theta and p.
+struct PoseInformation {
+  Mat6 A = Mat6::Zero();
+  Vec6 b = Vec6::Zero();
+};
+
+class Filter {
+ public:
+  void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& params);
+  void reset(const BodyState& state, const Mat15& cov);
+
+  // Moves the state to the time of `sample`; the first sample after reset() only sets the start.
+  void propagate(const ImuSample& sample);
+  // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
+  int update(Correspondences& correspondences);
+  // 0 = v_WB + n and, for a device at rest, w_B = b_g + n.
+  void update_standstill(const Vec3& w_mean_B);
+
+  const BodyState& state() const { return state_; }
+  const Mat15& cov() const { return cov_; }
+  Vec3 rate_B() const { return last_.w_B - state_.b_g; }
+
+ private:
+  bool residual(const BodyState& at, const Correspondence& c, Vec2& r, Mat26& J, Mat2& R) const;
+  int gate(Correspondences& correspondences) const;
+  PoseInformation linearize(const BodyState& at, const Correspondences& correspondences) const;
+  template <int N>
+  void fuse_linear(const Eigen::Matrix<double, N, 15>& H, const Eigen::Matrix<double, N, 1>& r,
+                   double sigma);
+
+  Camera camera_[kCamerasMax];
+  SE3 T_CB_[kCamerasMax];
+  ImuNoise noise_;
+  FilterParams params_;
+  BodyState state_;
+  Mat15 cov_ = Mat15::Identity();
+  ImuSample last_;
+  bool has_sample_ = false;
+};
+
+// x [+] delta: R Exp(d_theta), the rest added. Shared with mapping's tests.
+BodyState boxplus(const BodyState& state, const Vec15& delta);
+Vec15 boxminus(const BodyState& a, const BodyState& b);
+
+}  // namespace pirvs

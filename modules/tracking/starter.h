@@ -1,0 +1,83 @@
+// Starts the tracker, at rest or in motion: gravity, gyro bias and velocity from a few frames.
+// In      IMU samples (one of them exactly at each frame's time) and tracks of both cameras; points
+//         seen by both cameras give metric poses relative to the first frame at once.
+// Out     keyframes of the start in W, ready for mapping; "at rest" or "in motion".
+// Frames  B0: body at the first frame of the attempt. W: gravity along -z, heading and place of
+//         `origin`.
+// Errors  kStale: the attempt failed (too few points, poor fit) and begins anew with the next frame.
+// Cost    ~0.3 ms a frame while starting, one 6 x 6 solve at the end.
+// Source  Martinelli, IJCV 2014 (closed form, with known relative poses); Qin, Li, Shen, T-RO 2018,
+//         section V.B (gyro bias, gravity on its sphere).
+#pragma once
+
+#include "modules/health/health.h"
+#include "modules/matching/stereo.h"
+#include "modules/tracking/filter.h"
+#include "modules/tracking/tracking_params.h"
+
+namespace pirvs {
+
+class Starter {
+ public:
+  static constexpr int kKeyframesMax = 14;
+  void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
+                 const TrackerParams& params);
+  void reset();
+
+  void add_imu(const ImuSample& sample);
+  // True when this frame should become a keyframe of the start (its stereo matches are needed).
+  bool wants_keyframe() const;
+  // kOk: started, keyframes() and state() hold. kEmpty: more frames needed. kStale: see above.
+  // `keyframe`: this frame's observations when wants_keyframe(), otherwise nullptr.
+  Status add_frame(TimeNs t, const Tracks& left, const Tracks& right,
+                   const Observations* keyframe /* [kCamerasMax] */,
+                   const StandstillDetector& standstill, const SE3& origin);
+
+  const FixedVector<KeyframeMessage, kKeyframesMax>& keyframes() const { return keyframes_; }
+  const BodyState& state() const { return state_; }
+  const Mat15& cov() const { return cov_; }
+  bool at_rest() const { return at_rest_; }
+  // Rotation of the body since frame 0, for flow prediction.
+  Mat3 R_B0B() const { return R_B0B_; }
+
+ private:
+  struct Frame {
+    TimeNs t;
+    SE3 T_B0B;
+    bool keyframe;
+  };
+  struct Point {
+    TrackId track = 0;
+    Vec3 p_B0;
+    Mat3 cov;
+  };
+  static constexpr int kFramesMax = 48;
+  static constexpr int kPointsMax = 1024;
+
+  Status begin(TimeNs t, const Observations* keyframe);
+  int locate(SE3& T_B0B, const Tracks& left, const Tracks& right);
+  void add_points(const SE3& T_B0B, const Observations* keyframe);
+  void add_keyframe(TimeNs t, const Observations* keyframe);
+  const Point* find(int camera, TrackId track) const;
+  Preintegration integrate(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
+  bool solve_gyro_bias(Vec3& b_g) const;
+  bool solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const;
+  Status finish(const StandstillDetector& standstill, const SE3& origin);
+
+  Camera camera_[kCamerasMax];
+  SE3 T_C1C0_;
+  ImuNoise noise_;
+  TrackerParams params_;
+  Filter locator_;
+  FixedVector<ImuSample, 2048> imu_;
+  FixedVector<Frame, kFramesMax> frames_;
+  FixedVector<Point, kPointsMax> points_[kCamerasMax];
+  FixedVector<KeyframeMessage, kKeyframesMax> keyframes_;
+  Correspondences correspondences_;
+  Mat3 R_B0B_ = Mat3::Identity();
+  BodyState state_;
+  Mat15 cov_ = Mat15::Identity();
+  bool at_rest_ = false;
+};
+
+}  // namespace pirvs

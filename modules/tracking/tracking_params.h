@@ -1,0 +1,82 @@
+// Tuning of tracking. Units and meaning are in the rows.
+#pragma once
+
+#include <iterator>
+
+#include "core/params/params.h"
+
+namespace pirvs {
+
+struct FilterParams {
+  float sigma_px = 1.0f;
+  float chi2_max = 9.21f;
+  float huber_sigma = 2.0f;
+  float iterations_max = 3.0f;
+  float imu_noise_scale = 1.0f;
+  float point_cov_scale = 1.0f;
+  float standstill_sigma_m_s = 0.005f;
+  float standstill_sigma_rad_s = 0.002f;
+};
+
+inline constexpr ParamRow<FilterParams> kFilterRows[] = {
+    {"sigma_px", &FilterParams::sigma_px, 0.05f, 10, "px", "noise of a tracked point"},
+    {"chi2_max", &FilterParams::chi2_max, 1, 100, "1", "gate of a correspondence (2 dof; 9.21: 99 %)"},
+    {"huber_sigma", &FilterParams::huber_sigma, 0.5f, 10, "sigma", "where the robust weight begins"},
+    {"iterations_max", &FilterParams::iterations_max, 1, 10, "1", "iterations of the update"},
+    {"imu_noise_scale", &FilterParams::imu_noise_scale, 0.1f, 20, "1",
+     "times the calibrated white noise"},
+    {"point_cov_scale", &FilterParams::point_cov_scale, 0, 100, "1",
+     "times the map points' own covariance"},
+    {"standstill_sigma_m_s", &FilterParams::standstill_sigma_m_s, 1e-4f, 1, "m/s",
+     "noise of zero velocity"},
+    {"standstill_sigma_rad_s", &FilterParams::standstill_sigma_rad_s, 1e-5f, 1, "rad/s",
+     "noise of zero rate"},
+};
+static_assert(sizeof(FilterParams) == std::size(kFilterRows) * sizeof(float));
+
+struct TrackerParams {
+  float keyframe_distance_m = 0.25f;
+  float keyframe_angle_deg = 12.0f;
+  float keyframe_matched_ratio_min = 0.6f;
+  float keyframe_interval_s_min = 0.12f;
+  float keyframe_interval_s_max = 1.0f;
+  float match_distance_max = 60.0f;
+  float match_ratio_max = 0.85f;
+  float match_radius_px_min = 3.0f;
+  float match_radius_px_max = 20.0f;
+  float match_sigma_px = 1.5f;
+  float misses_max = 3.0f;
+  float start_frames = 16.0f;
+  float start_keyframe_every = 3.0f;
+};
+
+inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
+    {"keyframe_distance_m", &TrackerParams::keyframe_distance_m, 0.01f, 10, "m",
+     "new keyframe when this far from the last"},
+    {"keyframe_angle_deg", &TrackerParams::keyframe_angle_deg, 1, 90, "deg",
+     "new keyframe when turned this far from the last"},
+    {"keyframe_matched_ratio_min", &TrackerParams::keyframe_matched_ratio_min, 0, 1, "1",
+     "new keyframe when fewer tracks than this share have a map point"},
+    {"keyframe_interval_s_min", &TrackerParams::keyframe_interval_s_min, 0, 5, "s",
+     "shortest time between keyframes"},
+    {"keyframe_interval_s_max", &TrackerParams::keyframe_interval_s_max, 0.1f, 60, "s",
+     "longest time between keyframes while moving"},
+    {"match_distance_max", &TrackerParams::match_distance_max, 1, 256, "bit",
+     "worst descriptor distance of a match by projection"},
+    {"match_ratio_max", &TrackerParams::match_ratio_max, 0.1f, 1, "1",
+     "best over second best descriptor distance"},
+    {"match_radius_px_min", &TrackerParams::match_radius_px_min, 0.5f, 50, "px",
+     "smallest search window of a projected point"},
+    {"match_radius_px_max", &TrackerParams::match_radius_px_max, 1, 200, "px",
+     "largest search window of a projected point"},
+    {"match_sigma_px", &TrackerParams::match_sigma_px, 0.1f, 10, "px",
+     "noise of a point matched by descriptor"},
+    {"misses_max", &TrackerParams::misses_max, 0, 50, "frames",
+     "a track gated out more often in a row is dropped"},
+    {"start_frames", &TrackerParams::start_frames, 6, 40, "frames", "images that a start looks at"},
+    {"start_keyframe_every", &TrackerParams::start_keyframe_every, 1, 10, "frames",
+     "spacing of the first keyframes"},
+};
+static_assert(sizeof(TrackerParams) == std::size(kTrackerRows) * sizeof(float));
+
+}  // namespace pirvs
