@@ -1,0 +1,27 @@
+// What    Reads a calibration: the sensor.yaml files of an ASL folder, or Kalibr's camchain.
+// In      ASL: pinhole + radial-tangential | equidistant, T_BS 4 x 4.
+//         Kalibr camchain-imucam.yaml: pinhole + radtan | equidistant, T_cam_imu or T_cn_cnm1,
+//         timeshift_cam_imu; and imu.yaml beside it, if there is one.
+// Out     A Calibration; cameras = 1 if there is only cam0.
+// Frames  B = the IMU: T_BC takes camera to IMU coordinates.
+// Units   pixels with (0,0) at the centre of the first pixel; metres; ns.
+// Errors  InputError naming file and key: missing, wrong size, not a rotation, unknown model.
+// Source  ASL data set format (Burri et al., IJRR 2016); Kalibr wiki, "YAML formats".
+#pragma once
+
+#include <string>
+
+#include "modules/app/calibration.h"
+
+namespace pirvs::tools {
+
+// mav0 holds cam0/sensor.yaml, imu0/sensor.yaml, perhaps cam1/sensor.yaml.
+Calibration read_asl_calibration(const std::string& mav0);
+
+// noise: used for the IMU if no imu.yaml stands beside the camchain.
+Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise);
+
+// Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
+ImuNoise read_imu_noise(const std::string& path);
+
+}  // namespace pirvs::tools

@@ -1,0 +1,172 @@
+#include "tools/dataset/recording.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "tools/dataset/calibration_file.h"
+#include "tools/dataset/input_error.h"
+#include "tools/dataset/text_table.h"
+
+namespace pirvs::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr TimeNs kPairing = 1'000'000;     // one trigger: stamps of a pair are this close
+constexpr TimeNs kImuMargin = 50'000'000;  // IMU kept around a cut-out, to interpolate at its ends
+
+void count(Recording& recording, const char* name, size_t value = 1) {
+  for (Count& c : recording.rejected) {
+    if (c.name == name) {
+      c.value += value;
+      return;
+    }
+  }
+  recording.rejected.push_back({name, value});
+}
+
+struct ImageRow {
+  TimeNs t;
+  std::string path;
+};
+
+std::vector<ImageRow> read_images(const std::string& camera_folder, Recording& recording) {
+  TextTable table(camera_folder + "/data.csv", "list of images");
+  std::vector<ImageRow> rows;
+  while (table.next()) {
+    const auto t = table.stamp(0);
+    if (!t || table.columns() < 2) {
+      if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
+      count(recording, "image_rows_truncated");
+    } else if (!rows.empty() && *t <= rows.back().t) {
+      count(recording, "image_stamps_not_rising");
+    } else {
+      rows.push_back({*t, camera_folder + "/data/" + std::string(table.text(1))});
+    }
+  }
+  if (rows.empty()) {
+    throw InputError("no images listed", camera_folder + "/data.csv", "check the recording");
+  }
+  return rows;
+}
+
+void read_frames(const std::string& mav0, Recording& recording) {
+  const std::vector<ImageRow> left = read_images(mav0 + "/cam0", recording);
+  std::vector<ImageRow> right;
+  if (recording.calibration.cameras == 2) right = read_images(mav0 + "/cam1", recording);
+  size_t i = 0;
+  size_t j = 0;
+  while (i < left.size() || j < right.size()) {
+    const TimeNs t_left = i < left.size() ? left[i].t : INT64_MAX;
+    const TimeNs t_right = j < right.size() ? right[j].t : INT64_MAX;
+    const bool use_left = t_left <= t_right || t_left - t_right <= kPairing;
+    const bool use_right = t_right <= t_left || t_right - t_left <= kPairing;
+    FrameFiles frame;
+    frame.t = use_left ? t_left : t_right;
+    if (use_left) frame.image[0] = left[i++].path;
+    if (use_right) frame.image[1] = right[j++].path;
+    if (!use_left) count(recording, "frames_without_left");
+    if (!use_right && recording.calibration.cameras == 2) count(recording, "frames_without_right");
+    recording.frames.push_back(frame);
+  }
+}
+
+void read_imu(const std::string& mav0, Recording& recording) {
+  TextTable table(mav0 + "/imu0/data.csv", "IMU samples");
+  constexpr size_t kValues = 6;
+  while (table.next()) {
+    const auto t = table.stamp(0);
+    double v[kValues] = {};
+    bool complete = t && table.columns() > kValues;
+    bool finite = true;
+    for (size_t k = 0; k < kValues && complete; ++k) {
+      const auto value = table.number(k + 1);
+      complete = value.has_value();
+      v[k] = value.value_or(0);
+      finite = finite && std::isfinite(v[k]);
+    }
+    if (!complete) {
+      if (!table.cut_off()) table.fail("needs 7 numbers", "remove or repair the line");
+      count(recording, "imu_rows_truncated");
+    } else if (!finite) {
+      count(recording, "imu_samples_not_finite");
+    } else if (!recording.imu.empty() && *t <= recording.imu.back().t) {
+      count(recording, "imu_stamps_not_rising");
+    } else {
+      recording.imu.push_back({*t, Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+    }
+  }
+  if (recording.imu.empty()) {
+    throw InputError("no IMU samples", mav0 + "/imu0/data.csv", "check the recording");
+  }
+}
+
+void cut(const RecordingOptions& options, Recording& recording) {
+  if (options.start_s <= 0 && options.duration_s <= 0) return;
+  auto& frames = recording.frames;
+  const TimeNs begin = frames.front().t + from_seconds(options.start_s);
+  const TimeNs end = options.duration_s > 0 ? begin + from_seconds(options.duration_s) : INT64_MAX;
+  frames.erase(std::remove_if(frames.begin(), frames.end(),
+                              [&](const FrameFiles& f) { return f.t < begin || f.t > end; }),
+               frames.end());
+  if (frames.empty()) {
+    throw InputError("no frames between --start and --duration", recording.folder,
+                     "choose a shorter --start");
+  }
+  const TimeNs offset = recording.calibration.camera_time_offset;
+  const TimeNs imu_begin = frames.front().t + offset - kImuMargin;
+  const TimeNs imu_end = frames.back().t + offset + kImuMargin;
+  auto& imu = recording.imu;
+  imu.erase(std::remove_if(imu.begin(), imu.end(),
+                           [&](const ImuSample& s) { return s.t < imu_begin || s.t > imu_end; }),
+            imu.end());
+}
+
+void check_overlap(const Recording& recording) {
+  const TimeNs offset = recording.calibration.camera_time_offset;
+  if (recording.imu.empty() || recording.imu.front().t > recording.frames.back().t + offset ||
+      recording.imu.back().t < recording.frames.front().t + offset) {
+    throw InputError("images and IMU do not overlap in time", recording.folder,
+                     "both need stamps of one clock in ns");
+  }
+}
+
+}  // namespace
+
+double Recording::duration_s() const {
+  return frames.empty() ? 0 : to_seconds(frames.back().t - frames.front().t);
+}
+
+Recording open_recording(const std::string& folder, const RecordingOptions& options) {
+  if (!fs::is_directory(folder)) {
+    throw InputError("no such recording", folder, "give an ASL/EuRoC folder");
+  }
+  const std::string mav0 = fs::is_directory(folder + "/mav0") ? folder + "/mav0" : folder;
+  if (!fs::is_directory(mav0 + "/cam0")) {
+    throw InputError("not a recording, it has no cam0", mav0, "give an ASL/EuRoC folder");
+  }
+  Recording recording;
+  recording.folder = folder;
+  if (options.calibration.empty()) {
+    recording.calibration = read_asl_calibration(mav0);
+  } else {
+    const std::string own = mav0 + "/imu0/sensor.yaml";
+    const ImuNoise noise = fs::exists(own) ? read_imu_noise(own) : ImuNoise{};
+    recording.calibration = read_kalibr_calibration(options.calibration, noise);
+  }
+  if (options.mono || !fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
+  read_frames(mav0, recording);
+  read_imu(mav0, recording);
+  cut(options, recording);
+  check_overlap(recording);
+  for (const char* name : {"/state_groundtruth_estimate0/data.csv", "/groundtruth.tum"}) {
+    if (recording.truth.poses.empty() && fs::exists(mav0 + name)) {
+      recording.truth = read_trajectory(mav0 + name);
+      if (recording.truth.rows_truncated > 0) count(recording, "truth_rows_truncated");
+    }
+  }
+  return recording;
+}
+
+}  // namespace pirvs::tools

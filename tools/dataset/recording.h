@@ -1,0 +1,51 @@
+// What    What a recorded folder holds: calibration, frames (file names), IMU samples, ground
+// truth. In      An ASL/EuRoC folder, or its mav0. cam0, imu0 are needed; cam1 and
+//         state_groundtruth_estimate0 (or groundtruth.tum) are used if they are there.
+// Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
+// Frames  B = the IMU.
+// Units   t in ns, each sensor's own stamps; rad/s, m/s^2.
+// Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames.
+//         Rejected and counted by name: rows cut off, not finite, not after the row before.
+// Cost    ~30 ms for a minute of EuRoC; images are opened by the player, not here.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "bsp/api/imu.h"
+#include "modules/app/calibration.h"
+#include "tools/dataset/trajectory.h"
+
+namespace pirvs::tools {
+
+struct FrameFiles {
+  TimeNs t = 0;
+  std::string image[2];  // empty: that camera has no image at t
+};
+
+struct Count {
+  std::string name;
+  size_t value = 0;
+};
+
+struct RecordingOptions {
+  std::string calibration;  // Kalibr camchain; empty: the folder's own sensor.yaml files
+  double start_s = 0;       // skip this much, from the first frame
+  double duration_s = 0;    // 0: to the end
+  bool mono = false;        // leave cam1 out
+};
+
+struct Recording {
+  std::string folder;
+  Calibration calibration;
+  std::vector<FrameFiles> frames;
+  std::vector<ImuSample> imu;
+  Trajectory truth;  // no poses: the recording has none
+  std::vector<Count> rejected;
+
+  double duration_s() const;
+};
+
+Recording open_recording(const std::string& folder, const RecordingOptions& options);
+
+}  // namespace pirvs::tools
