@@ -1,0 +1,168 @@
+#include "tools/dataset/player.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <opencv2/imgcodecs.hpp>
+
+#include "tools/dataset/input_error.h"
+
+namespace pirvs::tools {
+namespace {
+
+constexpr size_t kTailBytes = 64;  // a writer may append a few bytes after the end marker
+
+bool read_file(const std::string& path, std::vector<uint8_t>& out) {
+  std::FILE* const file = std::fopen(path.c_str(), "rb");
+  if (!file) return false;
+  out.resize(out.capacity());
+  size_t size = 0;
+  while (true) {
+    if (size == out.size()) out.resize(std::max<size_t>(2 * size, size_t{1} << 20));
+    const size_t got = std::fread(out.data() + size, 1, out.size() - size, file);
+    if (got == 0) break;
+    size += got;
+  }
+  std::fclose(file);
+  out.resize(size);
+  return true;
+}
+
+// Decoders fill what is missing of a cut-off file with grey and do not tell; its end marker does.
+bool cut_off(const std::vector<uint8_t>& file) {
+  static constexpr std::array<uint8_t, 2> kJpegBegin = {0xFF, 0xD8};
+  static constexpr std::array<uint8_t, 2> kJpegEnd = {0xFF, 0xD9};
+  static constexpr std::array<uint8_t, 4> kPngBegin = {0x89, 'P', 'N', 'G'};
+  static constexpr std::array<uint8_t, 4> kPngEnd = {'I', 'E', 'N', 'D'};
+  const auto begins = [&](const auto& mark) {
+    return file.size() > mark.size() && std::equal(mark.begin(), mark.end(), file.begin());
+  };
+  const auto ends = [&](const auto& mark) {
+    const auto tail = file.end() - std::ptrdiff_t(std::min(file.size(), kTailBytes));
+    return std::search(tail, file.end(), mark.begin(), mark.end()) != file.end();
+  };
+  if (begins(kJpegBegin)) return !ends(kJpegEnd);
+  if (begins(kPngBegin)) return !ends(kPngEnd);
+  return false;
+}
+
+}  // namespace
+
+Player::Player(const Recording& recording) : recording_(recording), slots_(kFramesAhead) {
+  for (Slot& slot : slots_) {
+    for (int c = 0; c < recording.calibration.cameras; ++c) {
+      const Camera& camera = recording.calibration.camera[c];
+      slot.pixels[c].resize(size_t(camera.width) * size_t(camera.height));
+    }
+  }
+  check_first_images();
+  decoder_ = std::thread([this] { decode_all(); });
+}
+
+Player::~Player() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    stop_ = true;
+  }
+  changed_.notify_all();
+  decoder_.join();
+}
+
+const StereoFrame* Player::front() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (popped_ == recording_.frames.size()) return nullptr;
+  changed_.wait(lock, [this] { return decoded_ > popped_; });
+  return &slots_[popped_ % kFramesAhead].frame;
+}
+
+void Player::pop() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    ++popped_;
+  }
+  changed_.notify_all();
+}
+
+std::vector<Count> Player::rejected() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto failed = [this](Read why) { return failed_[static_cast<size_t>(why)]; };
+  return {{"images_missing", failed(Read::kMissing)},
+          {"images_cut_off", failed(Read::kCutOff)},
+          {"images_undecodable", failed(Read::kUndecodable)},
+          {"images_of_wrong_size", failed(Read::kWrongSize)}};
+}
+
+// A recording that has lost a few images plays; one whose images are elsewhere does not.
+void Player::check_first_images() {
+  constexpr size_t kTries = 10;
+  const size_t tries = std::min(kTries, recording_.frames.size());
+  const std::string& first = recording_.frames[0].image[recording_.frames[0].image[0].empty()];
+  bool wrong_size = false;
+  for (size_t i = 0; i < tries; ++i) {
+    for (int c = 0; c < recording_.calibration.cameras; ++c) {
+      const std::string& path = recording_.frames[i].image[c];
+      if (path.empty()) continue;
+      const Read result = decode_image(path, c, slots_[0].pixels[c]);
+      if (result == Read::kGood) return;
+      wrong_size = wrong_size || result == Read::kWrongSize;
+    }
+  }
+  if (wrong_size) {
+    throw InputError("the images' size is not the calibration's", first,
+                     "give the calibration of this recording with --calib");
+  }
+  throw InputError("no image can be read", first, "check that the recording is complete");
+}
+
+void Player::decode_all() {
+  for (size_t i = 0; i < recording_.frames.size(); ++i) {
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      changed_.wait(lock, [&] { return stop_ || i < popped_ + kFramesAhead; });
+      if (stop_) return;
+    }
+    decode_frame(recording_.frames[i], slots_[i % kFramesAhead]);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      decoded_ = i + 1;
+    }
+    changed_.notify_all();
+  }
+}
+
+void Player::decode_frame(const FrameFiles& files, Slot& slot) {
+  slot.frame = StereoFrame{};
+  slot.frame.t = files.t + recording_.calibration.camera_time_offset;
+  for (int c = 0; c < recording_.calibration.cameras; ++c) {
+    if (files.image[c].empty()) continue;
+    const Read result = decode_image(files.image[c], c, slot.pixels[c]);
+    if (result == Read::kGood) {
+      const Camera& camera = recording_.calibration.camera[c];
+      slot.frame.image[c] = {slot.pixels[c].data(), camera.width, camera.height, camera.width};
+      slot.frame.present |= uint8_t(1u << c);
+    } else {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      ++failed_[static_cast<size_t>(result)];
+    }
+  }
+}
+
+Player::Read Player::decode_image(const std::string& path, int camera,
+                                  std::vector<uint8_t>& pixels) {
+  if (!read_file(path, file_)) return Read::kMissing;
+  if (cut_off(file_) || file_.empty()) return Read::kCutOff;
+  const Camera& expected = recording_.calibration.camera[camera];
+  const cv::Mat bytes(1, int(file_.size()), CV_8UC1, file_.data());
+  cv::Mat image;  // not over pixels: on a bad file some decoders leave there what was there before
+  try {
+    image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  } catch (const cv::Exception&) {
+    return Read::kUndecodable;
+  }
+  if (image.empty()) return Read::kUndecodable;
+  if (image.cols != expected.width || image.rows != expected.height) return Read::kWrongSize;
+  std::copy_n(image.ptr(), pixels.size(), pixels.begin());
+  return Read::kGood;
+}
+
+}  // namespace pirvs::tools

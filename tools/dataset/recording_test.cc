@@ -1,0 +1,255 @@
+#include "tools/dataset/recording.h"
+
+#include <gtest/gtest.h>
+
+#include "tools/dataset/input_error.h"
+#include "tools/dataset/player.h"
+#include "tools/dataset/test_recording.h"
+
+namespace pirvs::tools {
+namespace {
+
+size_t value(const std::vector<Count>& counts, const std::string& name) {
+  for (const Count& count : counts) {
+    if (count.name == name) return count.value;
+  }
+  return 0;
+}
+
+// The message if opening fails, else an empty text.
+std::string error_of(const std::string& folder, const RecordingOptions& options = {}) {
+  try {
+    const Recording recording = open_recording(folder, options);
+    const Player player(recording);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+
+TEST(recording, reads_an_asl_folder) {
+  const TestRecording disk;
+  for (const std::string& folder : {disk.folder(), disk.folder() + "/mav0"}) {
+    const Recording recording = open_recording(folder, {});
+    ASSERT_EQ(recording.frames.size(), size_t(TestRecording::kFrames));
+    ASSERT_EQ(recording.imu.size(), size_t(TestRecording::kImuSamples));
+    EXPECT_EQ(recording.truth.poses.size(), size_t(TestRecording::kImuSamples));
+    EXPECT_FALSE(recording.truth.full_state);
+    EXPECT_EQ(recording.frames[3].t, TestRecording::kBegin_ns + 150'000'000);
+    EXPECT_EQ(recording.imu[1].w_B, Vec3(0.01, 0.02, 0.03));
+    EXPECT_EQ(recording.imu[1].f_B, Vec3(0.1, 0.2, 9.81));
+    const Camera& right = recording.calibration.camera[1];
+    EXPECT_EQ(recording.calibration.cameras, 2);
+    EXPECT_EQ(right.model, CameraModel::kPinholeRadtan);
+    EXPECT_EQ(right.width, 64);
+    EXPECT_EQ(right.fy, 51.0);
+    EXPECT_EQ(right.d[3], 0.002);
+    EXPECT_EQ(right.T_BC.p, Vec3(0.1, 0, 0));
+    EXPECT_EQ(recording.calibration.imu.accel_walk, 4.0e-3);
+    EXPECT_TRUE(recording.rejected.empty());
+  }
+}
+
+TEST(recording, cuts_out_a_part) {
+  const TestRecording disk;
+  RecordingOptions options;
+  options.start_s = 0.2;
+  options.duration_s = 0.15;
+  const Recording recording = open_recording(disk.folder(), options);
+  ASSERT_EQ(recording.frames.size(), 4u);
+  EXPECT_EQ(recording.frames[0].t, TestRecording::kBegin_ns + 200'000'000);
+  EXPECT_LE(recording.imu.front().t, recording.frames.front().t);
+  EXPECT_GE(recording.imu.back().t, recording.frames.back().t);
+  options.start_s = 100;
+  EXPECT_SAYS(error_of(disk.folder(), options), "no frames");
+}
+
+TEST(recording, says_which_file_is_missing) {
+  for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml", "imu0/sensor.yaml",
+                           "cam0/data.csv", "cam1/data.csv", "imu0/data.csv"}) {
+    const TestRecording disk;
+    std::filesystem::remove(disk.path(file));
+    EXPECT_SAYS(error_of(disk.folder()), file);
+  }
+  EXPECT_SAYS(error_of("/nowhere"), "no such recording");
+  EXPECT_SAYS(error_of("/"), "no cam0");
+}
+
+TEST(recording, mono_and_no_truth_are_fine) {
+  const TestRecording disk;
+  std::filesystem::remove_all(disk.path("cam1"));
+  std::filesystem::remove_all(disk.path("state_groundtruth_estimate0"));
+  const Recording recording = open_recording(disk.folder(), {});
+  EXPECT_EQ(recording.calibration.cameras, 1);
+  EXPECT_TRUE(recording.truth.poses.empty());
+  EXPECT_EQ(Player(recording).front()->present, 1);
+}
+
+TEST(recording, a_last_line_cut_off_is_counted) {
+  const TestRecording disk;
+  for (const char* file :
+       {"cam0/data.csv", "imu0/data.csv", "state_groundtruth_estimate0/data.csv"}) {
+    std::string text = disk.read(file);
+    const size_t comma = text.rfind(',');
+    disk.write(file, text.substr(0, file[0] == 'c' ? comma : comma - 4));
+  }
+  const Recording recording = open_recording(disk.folder(), {});
+  EXPECT_EQ(value(recording.rejected, "image_rows_truncated"), 1u);
+  EXPECT_EQ(value(recording.rejected, "frames_without_left"), 1u);
+  EXPECT_EQ(value(recording.rejected, "imu_rows_truncated"), 1u);
+  EXPECT_EQ(value(recording.rejected, "truth_rows_truncated"), 1u);
+  EXPECT_EQ(recording.frames.back().image[0], "");
+}
+
+TEST(recording, a_bad_line_in_the_middle_is_named) {
+  const TestRecording disk;
+  disk.replace("imu0/data.csv", "980000000,0.01,", "980000000,zero,");
+  EXPECT_SAYS(error_of(disk.folder()), "imu0/data.csv line 2");
+  const TestRecording truth;
+  truth.replace("state_groundtruth_estimate0/data.csv", ",0,0,1,0,0,0\n", ",0,nan,1,0,0,0\n");
+  EXPECT_SAYS(error_of(truth.folder()), "not finite");
+}
+
+TEST(recording, nan_and_time_running_back_are_counted) {
+  const TestRecording disk;
+  disk.replace("imu0/data.csv", ",0.01,0.02,", ",nan,0.02,");
+  disk.replace("imu0/data.csv", "1500000000000000000,", "1400000000000000000,");
+  disk.replace("imu0/data.csv", "1500000000010000000,", "1500000000005000000,");
+  disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000000000000,");
+  const Recording recording = open_recording(disk.folder(), {});
+  EXPECT_EQ(value(recording.rejected, "imu_samples_not_finite"), 1u);
+  EXPECT_EQ(value(recording.rejected, "imu_stamps_not_rising"), 2u);
+  EXPECT_EQ(value(recording.rejected, "image_stamps_not_rising"), 1u);
+  EXPECT_EQ(value(recording.rejected, "frames_without_right"), 1u);
+  for (size_t i = 1; i < recording.imu.size(); ++i) {
+    EXPECT_GT(recording.imu[i].t, recording.imu[i - 1].t);
+  }
+}
+
+TEST(recording, unequal_cameras_play_as_single_images) {
+  const TestRecording disk;
+  disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000110000000,");
+  const Recording recording = open_recording(disk.folder(), {});
+  ASSERT_EQ(recording.frames.size(), size_t(TestRecording::kFrames) + 1);
+  EXPECT_EQ(value(recording.rejected, "frames_without_left"), 1u);
+  EXPECT_EQ(value(recording.rejected, "frames_without_right"), 1u);
+  EXPECT_EQ(recording.frames[2].image[1], "");
+  EXPECT_EQ(recording.frames[3].image[0], "");
+}
+
+TEST(recording, bad_calibrations_are_named) {
+  const char* const cases[][3] = {
+      {"resolution: [64, 48]", "resolution: [64]", "resolution"},
+      {"resolution: [64, 48]", "resolution: [640, 48]", "size is not the calibration's"},
+      {"radial-tangential", "fov", "unknown model 'fov'"},
+      {"[-0.1, 0.01, 0.001, 0.002]", "[-0.1, 0.01]", "distortion_coefficients"},
+      {"[50.0, 51.0,", "[.nan, 51.0,", "intrinsics"},
+      {"data: [1, 0,", "data: [2, 0,", "not a rotation"},
+      {"T_BS:", "{T_BS:", "not YAML"}};
+  for (const auto& [from, to, says] : cases) {
+    const TestRecording disk;
+    disk.replace("cam0/sensor.yaml", from, to);
+    disk.replace("cam1/sensor.yaml", from, to);
+    EXPECT_SAYS(error_of(disk.folder()), says);
+  }
+}
+
+TEST(recording, reads_a_kalibr_camchain) {
+  const TestRecording disk;
+  disk.write("chain.yaml",
+             "cam0:\n  camera_model: pinhole\n  distortion_model: equidistant\n"
+             "  distortion_coeffs: [0.1, 0.02, 0.003, 0.0004]\n  intrinsics: [40, 41, 30, 20]\n"
+             "  resolution: [64, 48]\n  timeshift_cam_imu: -0.004\n  T_cam_imu:\n"
+             "  - [0, -1, 0, 1]\n  - [1, 0, 0, 2]\n  - [0, 0, 1, 3]\n  - [0, 0, 0, 1]\n"
+             "cam1:\n  camera_model: pinhole\n  distortion_model: radtan\n"
+             "  distortion_coeffs: [0.1, 0.02, 0.003, 0.0004]\n  intrinsics: [40, 41, 30, 20]\n"
+             "  resolution: [64, 48]\n  T_cn_cnm1:\n"
+             "  - [1, 0, 0, -0.1]\n  - [0, 1, 0, 0]\n  - [0, 0, 1, 0]\n  - [0, 0, 0, 1]\n");
+  RecordingOptions options;
+  options.calibration = disk.path("chain.yaml");
+  const Recording recording = open_recording(disk.folder(), options);
+  const Calibration& calibration = recording.calibration;
+  EXPECT_EQ(calibration.camera[0].model, CameraModel::kKannalaBrandt);
+  EXPECT_EQ(calibration.camera[1].model, CameraModel::kPinholeRadtan);
+  EXPECT_EQ(calibration.camera_time_offset, -4'000'000);
+  EXPECT_EQ(calibration.imu.gyro_noise, 1.0e-4);
+  EXPECT_LT((calibration.camera[0].T_BC * Vec3(1, 2, 3)).norm(), 1e-12);  // the IMU's origin in C0
+  const Vec3 p_C0C1 = calibration.camera[0].T_BC.inverse() * calibration.camera[1].T_BC.p;
+  EXPECT_LT((p_C0C1 - Vec3(0.1, 0, 0)).norm(), 1e-12);
+}
+
+TEST(player, plays_the_pixels_in_order) {
+  const TestRecording disk;
+  const Recording recording = open_recording(disk.folder(), {});
+  Player player(recording);
+  int frames = 0;
+  while (const StereoFrame* frame = player.front()) {
+    ASSERT_EQ(frame->t, recording.frames[size_t(frames)].t);
+    ASSERT_EQ(frame->present, 3);
+    for (int c = 0; c < 2; ++c) {
+      for (int y = 0; y < 48; ++y) {
+        for (int x = 0; x < 64; ++x) {
+          const int expected = ((y * 64 + x) * 7 + frames * 31 + c * 5) % 251;
+          ASSERT_EQ(frame->image[c].row(y)[x], expected);
+        }
+      }
+    }
+    player.pop();
+    ++frames;
+  }
+  EXPECT_EQ(frames, TestRecording::kFrames);
+  for (const Count& count : player.rejected()) EXPECT_EQ(count.value, 0u) << count.name;
+}
+
+TEST(player, stops_in_the_middle) {
+  const TestRecording disk;
+  const Recording recording = open_recording(disk.folder(), {});
+  Player player(recording);
+  ASSERT_NE(player.front(), nullptr);
+}
+
+TEST(player, images_that_cannot_be_read_are_left_out_and_counted) {
+  const TestRecording disk;
+  std::filesystem::remove(disk.image(0, 2));
+  disk.truncate(disk.image(1, 3), 0.6);
+  disk.truncate(disk.image(0, 4), 0.0);
+  std::ofstream(disk.image(1, 5)) << "this is not a picture";
+  cv::imwrite(disk.image(0, 6), cv::Mat(24, 32, CV_8UC1, cv::Scalar(9)));
+  const Recording recording = open_recording(disk.folder(), {});
+  Player player(recording);
+  std::vector<int> present;
+  for (; const StereoFrame* frame = player.front(); player.pop()) present.push_back(frame->present);
+  EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 1, 2, 1, 2, 3, 3, 3, 3, 3}));
+  EXPECT_EQ(value(player.rejected(), "images_missing"), 1u);
+  EXPECT_EQ(value(player.rejected(), "images_cut_off"), 2u);
+  EXPECT_EQ(value(player.rejected(), "images_undecodable"), 1u);
+  EXPECT_EQ(value(player.rejected(), "images_of_wrong_size"), 1u);
+}
+
+TEST(player, a_jpeg_cut_off_is_left_out) {
+  const TestRecording disk;
+  cv::Mat picture(48, 64, CV_8UC1, cv::Scalar(100));
+  disk.replace("cam0/data.csv", "1500000000050000000.png", "x.jpg");
+  disk.replace("cam0/data.csv", "1500000000100000000.png", "y.jpg");
+  cv::imwrite(disk.path("cam0/data/x.jpg"), picture);
+  cv::imwrite(disk.path("cam0/data/y.jpg"), picture);
+  disk.truncate(disk.path("cam0/data/y.jpg"), 0.9);
+  const Recording recording = open_recording(disk.folder(), {});
+  Player player(recording);
+  std::vector<int> present;
+  for (; const StereoFrame* frame = player.front(); player.pop()) present.push_back(frame->present);
+  EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3}));
+  EXPECT_EQ(value(player.rejected(), "images_cut_off"), 1u);
+}
+
+TEST(player, no_image_at_all_is_an_error) {
+  const TestRecording disk;
+  std::filesystem::remove_all(disk.path("cam0/data"));
+  std::filesystem::remove_all(disk.path("cam1/data"));
+  EXPECT_SAYS(error_of(disk.folder()), "no image can be read");
+}
+
+}  // namespace
+}  // namespace pirvs::tools
