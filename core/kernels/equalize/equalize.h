@@ -1,0 +1,24 @@
+// Histogram equalization of a grey image: spreads the grey values so that each is about as
+// frequent. In      8-bit grey, 1 x 1 px and more, at most 2^24 pixels (the cumulative count is
+// exact in float). Out     8-bit grey of the same size, out_stride >= width. out may be in.data
+// with the same stride.
+//         An image of one value stays as it is. Same bytes as cv::equalizeHist.
+// Errors  None. Asserts the size.
+// Cost    752 x 480: 0.15 ms x86-64, goal 1.0 ms Cortex-A72 (make bench K=equalize).
+// Source  OpenCV 4.6, imgproc/src/histogram.cpp, equalizeHist.
+#pragma once
+
+#include <cstdint>
+
+#include "core/kernels/image.h"
+
+namespace pirvs {
+
+void equalize_ref(const ImageView& in, uint8_t* out, int out_stride);
+void equalize_neon(const ImageView& in, uint8_t* out, int out_stride);
+
+inline void equalize(const ImageView& in, uint8_t* out, int out_stride) {
+  equalize_neon(in, out, out_stride);
+}
+
+}  // namespace pirvs

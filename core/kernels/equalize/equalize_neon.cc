@@ -1,0 +1,82 @@
+#include <cstring>
+
+#include "core/kernels/equalize/equalize.h"
+#include "core/kernels/equalize/equalize_table.h"
+#include "core/kernels/neon.h"
+
+namespace pirvs {
+namespace {
+
+// Four histograms: neighbouring pixels are often equal, and a count that was just stored would have
+// to be waited for. Scalar on every machine, as a histogram has no vector form.
+void count(const ImageView& in, uint32_t (&histogram)[256]) {
+  uint32_t counts[4][256] = {};
+  for (int y = 0; y < in.height; ++y) {
+    const uint8_t* p = in.row(y);
+    int x = 0;
+    for (; x + 8 <= in.width; x += 8) {
+      uint64_t bytes;
+      std::memcpy(&bytes, p + x, 8);
+      ++counts[0][bytes & 255];
+      ++counts[1][bytes >> 8 & 255];
+      ++counts[2][bytes >> 16 & 255];
+      ++counts[3][bytes >> 24 & 255];
+      ++counts[0][bytes >> 32 & 255];
+      ++counts[1][bytes >> 40 & 255];
+      ++counts[2][bytes >> 48 & 255];
+      ++counts[3][bytes >> 56];
+    }
+    for (; x < in.width; ++x) ++counts[x & 3][p[x]];
+  }
+  for (int v = 0; v < 256; ++v)
+    histogram[v] = counts[0][v] + counts[1][v] + counts[2][v] + counts[3][v];
+}
+
+#if defined(__aarch64__)
+
+// 64 entries per lookup; an index outside leaves the lane as it was.
+void map_row(const uint8_t* in, const uint8_t (&table)[256], int width, uint8_t* out) {
+  const uint8x16x4_t t0 = vld1q_u8_x4(table), t1 = vld1q_u8_x4(table + 64);
+  const uint8x16x4_t t2 = vld1q_u8_x4(table + 128), t3 = vld1q_u8_x4(table + 192);
+  const uint8x16_t block = vdupq_n_u8(64);
+  int x = 0;
+  for (; x + 16 <= width; x += 16) {
+    uint8x16_t index = vld1q_u8(in + x);
+    uint8x16_t mapped = vqtbl4q_u8(t0, index);
+    mapped = vqtbx4q_u8(mapped, t1, index = vsubq_u8(index, block));
+    mapped = vqtbx4q_u8(mapped, t2, index = vsubq_u8(index, block));
+    vst1q_u8(out + x, vqtbx4q_u8(mapped, t3, vsubq_u8(index, block)));
+  }
+  for (; x < width; ++x) out[x] = table[in[x]];
+}
+
+#else
+
+// x86 has no lookup in 256 bytes; emulating vqtbl4 costs more than scalar loads do.
+void map_row(const uint8_t* in, const uint8_t (&table)[256], int width, uint8_t* out) {
+  int x = 0;
+  for (; x + 8 <= width; x += 8) {
+    uint64_t bytes;
+    std::memcpy(&bytes, in + x, 8);
+    uint64_t mapped = 0;
+    for (int k = 0; k < 64; k += 8) mapped |= static_cast<uint64_t>(table[bytes >> k & 255]) << k;
+    std::memcpy(out + x, &mapped, 8);
+  }
+  for (; x < width; ++x) out[x] = table[in[x]];
+}
+
+#endif
+
+}  // namespace
+
+void equalize_neon(const ImageView& in, uint8_t* out, int out_stride) {
+  equalize_detail::check(in, out_stride);
+  uint32_t histogram[256];
+  count(in, histogram);
+  uint8_t table[256];
+  equalize_detail::make_table(histogram, static_cast<uint32_t>(in.width * in.height), table);
+  for (int y = 0; y < in.height; ++y)
+    map_row(in.row(y), table, in.width, out + static_cast<int64_t>(y) * out_stride);
+}
+
+}  // namespace pirvs
