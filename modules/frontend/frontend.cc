@@ -121,6 +121,8 @@ bool Frontend::follow_one(Track& track, TrackLoss& why) {
       params_.lk_return_px_max * params_.lk_return_px_max) {
     return false;
   }
+  track.x_last = track.x;
+  track.y_last = track.y;
   track.x = x;
   track.y = y;
   if (track.age < UINT16_MAX) ++track.age;

@@ -73,6 +73,7 @@ struct MapPoint {
   Vec3 view_W;
   float distance_m;
   TrackId track[kCamerasMax];
+  bool in_newest;  // the newest keyframe saw it: `track` is complete
 };
 
 // Mapping's word to tracking after each adjustment, by mailbox.

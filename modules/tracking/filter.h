@@ -7,14 +7,13 @@
 // Source  PIRVS paper, eqs. 1 to 6; Bell, Cathey, TAC 1993 (iterated EKF as Gauss-Newton).
 #pragma once
 
+#include "modules/imu/gravity.h"
 #include "modules/imu/imu_sample.h"
 #include "core/camera/camera.h"
 #include "modules/map/map.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
-
-inline constexpr double kGravity_m_s2 = 9.81;
 
 enum class Gate : uint8_t { kAccepted, kBehindCamera, kChi2, kCount };
 const char* name(Gate gate);

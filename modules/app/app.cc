@@ -1,0 +1,200 @@
+#include "modules/app/app.h"
+
+#include <cmath>
+#include <cstring>
+
+#include "bsp/api/clock.h"
+#include "bsp/api/cores.h"
+
+namespace pirvs {
+namespace {
+
+float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
+
+}  // namespace
+
+void App::configure(const Calibration& calibration, const AppParams& params,
+                    const AppSinks& sinks) {
+  calibration_ = calibration;
+  params_ = params;
+  sinks_ = sinks;
+  door_.configure(calibration.camera_time_offset);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    frontend_[c].configure(calibration.camera[c], params.frontend);
+  }
+  tracker_.configure(calibration.camera, calibration.imu, params.tracking, &keyframe_ring_,
+                     &map_mailbox_);
+  mapper_.configure(calibration.camera, calibration.imu, params.mapping, &keyframe_ring_,
+                    &map_mailbox_);
+  mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
+}
+
+void App::deliver(const ImuSample& sample) {
+  const TimeNs begin = bsp::cpu_time();
+  tracker_.add_imu(sample);
+  tracking_ns_ += bsp::cpu_time() - begin;
+  if (tracker_.running() && sinks_.pose != nullptr) {
+    sinks_.pose(sinks_.context, {tracker_.state(), tracker_.cov(), tracker_.health()});
+  }
+}
+
+void App::begin_frame(const DoorFrame& frame) {
+  flush_report();
+  const TimeNs begin = bsp::cpu_time();
+  frame_ = frame;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    if ((frame.images.present >> c & 1) == 0) frontend_[c].reset();
+  }
+  gravity_B_ = tracker_.prepare(frontend_);
+  tracking_ns_ += bsp::cpu_time() - begin;
+  frontends_left_.store(kCamerasMax);
+  stage_.store(Stage::kFrontend, std::memory_order_release);
+  for (auto& todo : frontend_todo_) todo.store(true, std::memory_order_release);
+}
+
+bool App::door_step() {
+  if (stage_.load(std::memory_order_acquire) != Stage::kFree) return false;
+  DoorItem item;
+  const Status status = door_.next(item);
+  if (status == Status::kStale) ended_ = true;
+  if (status != Status::kOk) return false;
+  if (item.is_frame) {
+    begin_frame(item.frame);
+  } else {
+    deliver(item.imu);
+  }
+  return true;
+}
+
+bool App::frontend_step(int c) {
+  if (!frontend_todo_[c].load(std::memory_order_acquire)) return false;
+  const TimeNs begin = bsp::cpu_time();
+  if ((frame_.images.present >> c & 1) != 0) {
+    const Vec3 gravity_C = calibration_.camera[c].T_BC.R.transpose() * gravity_B_;
+    (void)frontend_[c].process(frame_.images.image[c], frame_.t, gravity_C);
+  }
+  frontend_ns_[c].store(bsp::cpu_time() - begin);
+  frontend_todo_[c].store(false, std::memory_order_relaxed);
+  if (frontends_left_.fetch_sub(1) == 1) stage_.store(Stage::kTracking, std::memory_order_release);
+  return true;
+}
+
+bool App::tracking_step() {
+  if (stage_.load(std::memory_order_acquire) != Stage::kTracking) return false;
+  const TimeNs begin = bsp::cpu_time();
+  tracker_.match(frontend_);
+  const TimeNs matched = bsp::cpu_time();
+  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present == 3, frontend_);
+  tracking_ns_ += bsp::cpu_time() - matched;
+
+  report_ = FrameReport{};
+  report_.t = frame_.t;
+  report_.has_pose = result.has_pose;
+  report_.pose = {tracker_.state(), tracker_.cov(), tracker_.health()};
+  report_.image_ms = to_ms(frontend_ns_[0] + frontend_ns_[1]);
+  report_.matching_ms = to_ms(matched - begin);
+  report_.tracking_ms = to_ms(tracking_ns_);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    report_.tracks[c] = static_cast<int>(frontend_[c].tracks().size());
+  }
+  report_.correspondences = result.correspondences;
+  report_.accepted = result.accepted;
+  report_.keyframe = result.keyframe;
+  report_pending_ = true;
+  tracking_ns_ = 0;
+  if (result.health_changed && sinks_.health != nullptr) {
+    const char* what = !result.started           ? "health changed"
+                       : result.started_at_rest ? "started at rest"
+                                                : "started in motion";
+    sinks_.health(sinks_.context, frame_.t, tracker_.health(), what);
+  }
+  door_.release();
+  stage_.store(Stage::kFree, std::memory_order_release);
+  return true;
+}
+
+bool App::mapping_step() {
+  const TimeNs begin = bsp::cpu_time();
+  const bool more = mapper_.step();
+  if (more) mapping_ns_ += bsp::cpu_time() - begin;
+  return more;
+}
+
+// A frame is reported when the next one begins, so that mapping's share of the time is known.
+void App::flush_report() {
+  if (!report_pending_) return;
+  report_pending_ = false;
+  report_.mapping_ms = to_ms(mapping_ns_.exchange(0));
+  report_.end_to_end_ms =
+      report_.image_ms + report_.matching_ms + report_.tracking_ms + report_.mapping_ms;
+  if (sinks_.frame != nullptr) sinks_.frame(sinks_.context, report_);
+}
+
+Status App::run(int cores) {
+  (void)cores;
+  while (!ended_) {
+    if (mapping_step()) continue;
+    if (tracking_step() || frontend_step(0) || frontend_step(1) || door_step()) continue;
+  }
+  flush_report();
+  return tracker_.running() ? Status::kOk : Status::kBadData;
+}
+
+int App::pools(NamedValue* out, int max) {
+  const NamedValue table[] = {
+      {"frontend", sizeof(frontend_)},         {"tracker", sizeof(tracker_)},
+      {"mapper", sizeof(mapper_)},             {"keyframe_ring", sizeof(keyframe_ring_)},
+      {"map_mailbox", sizeof(map_mailbox_)},   {"app", sizeof(App) - sizeof(frontend_) - sizeof(tracker_) - sizeof(mapper_) - sizeof(keyframe_ring_) - sizeof(map_mailbox_)},
+  };
+  int count = 0;
+  for (const NamedValue& row : table) {
+    if (count < max) out[count++] = row;
+  }
+  return count;
+}
+
+int App::counters(NamedValue* out, int max) const {
+  int count = 0;
+  const auto add = [&](const char* name, uint64_t value) {
+    if (count < max) out[count++] = {name, value};
+  };
+  for (int i = 0; i < static_cast<int>(DoorLoss::kCount); ++i) {
+    add(name(static_cast<DoorLoss>(i)), door_.losses()[i]);
+  }
+  for (int i = 0; i < static_cast<int>(TrackLoss::kCount); ++i) {
+    add(name(static_cast<TrackLoss>(i)), frontend_[0].losses()[i] + frontend_[1].losses()[i]);
+  }
+  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i) {
+    add(name(static_cast<StereoLoss>(i)), tracker_.stereo().losses()[i]);
+  }
+  const TrackingCounters& t = tracker_.counters();
+  for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
+    add(name(static_cast<Gate>(i)), t.gates[i]);
+  }
+  add("frames", t.frames);
+  add("frames_with_pose", t.frames_with_pose);
+  add("starts", t.starts);
+  add("start_failures", t.start_failures);
+  add("losses", t.losses);
+  add("keyframes", t.keyframes);
+  add("keyframes_dropped", t.keyframes_dropped);
+  add("snapshots_late", t.snapshots_late);
+  add("matched_by_projection", t.matched_by_projection);
+  add("standstill_frames", t.standstill_frames);
+  add("tracks_dropped", t.tracks_dropped);
+  const MappingCounters& m = mapper_.counters();
+  add("keyframes_removed", m.keyframes_removed);
+  add("adjustments", m.adjustments);
+  add("adjustments_failed", m.adjustments_failed);
+  add("points_stereo", m.points_stereo);
+  add("points_temporal", m.points_temporal);
+  add("points_removed", m.points_removed);
+  add("points_full", m.points_full);
+  add("points_rejected", m.points_rejected);
+  add("observations_removed", m.observations_removed);
+  add("bundle_full", m.bundle_full);
+  add("restarts", m.restarts);
+  return count;
+}
+
+}  // namespace pirvs

@@ -1,0 +1,341 @@
+#include "modules/mapping/bundle.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "core/base/assert.h"
+#include "core/math/dense_solver.h"
+#include "core/math/so3.h"
+#include "modules/tracking/filter.h"
+
+namespace pirvs {
+namespace {
+
+constexpr size_t kPointsPerStep = 128;           // ~0.3 ms of an A72
+constexpr double kBehindCamera_sigma2 = 100.0;  // as bad as an outlier, not a wall
+
+}  // namespace
+
+void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingParams& params) {
+  for (int c = 0; c < kCamerasMax; ++c) camera_[c] = cameras[c];
+  noise_ = noise;
+  params_ = params;
+  frames_.clear();
+  points_.clear();
+  observations_.clear();
+  links_.clear();
+  prior_.frame = -1;
+  unknowns_ = 0;
+  iteration_ = accepted_ = 0;
+  lambda_ = 1e-4;
+  cost_ = std::numeric_limits<double>::infinity();
+  start_iteration();
+}
+
+int Bundle::add_frame(const BodyState& state, bool fixed) {
+  if (!fixed && unknowns_ + 15 > kUnknownsMax) return -1;
+  Frame* frame = frames_.append();
+  if (frame == nullptr) return -1;
+  frame->state = frame->trial = state;
+  frame->unknown = fixed ? -1 : unknowns_;
+  if (!fixed) unknowns_ += 15;
+  for (int c = 0; c < kCamerasMax; ++c) frame->T_CB[c] = camera_[c].T_BC.inverse();
+  place_cameras(*frame, state);
+  return static_cast<int>(frames_.size()) - 1;
+}
+
+void Bundle::place_cameras(Frame& frame, const BodyState& state) const {
+  const SE3 T_BW = state.T_WB.inverse();
+  for (int c = 0; c < kCamerasMax; ++c) frame.T_CW[c] = frame.T_CB[c] * T_BW;
+}
+
+void Bundle::link(int from, int to, const Preintegration& motion) {
+  const bool added =
+      links_.push_back(make_link(from, to, motion, noise_, params_.imu_noise_scale));
+  PIRVS_ASSERT(added);  // one per free frame
+}
+
+void Bundle::set_prior(int frame, const Mat15& information) {
+  prior_ = {frame, frames_[static_cast<size_t>(frame)].state, information};
+}
+
+int Bundle::add_point(const Vec3& p_W) {
+  Point* point = points_.append();
+  if (point == nullptr) return -1;
+  point->p_W = point->trial = p_W;
+  point->first = static_cast<int>(observations_.size());
+  point->count = 0;
+  return static_cast<int>(points_.size()) - 1;
+}
+
+bool Bundle::add_observation(int point, int frame, int camera, const Vec2& uv) {
+  PIRVS_ASSERT(point == static_cast<int>(points_.size()) - 1);
+  if (!observations_.push_back({static_cast<int16_t>(frame), static_cast<int16_t>(camera),
+                                static_cast<float>(uv.x()), static_cast<float>(uv.y())})) {
+    return false;
+  }
+  ++points_.back().count;
+  return true;
+}
+
+void Bundle::start_iteration() {
+  phase_ = Phase::kLinearize;
+  next_point_ = 0;
+  shares_.clear();
+  cost_trial_ = 0;
+  std::fill(S_, S_ + static_cast<size_t>(unknowns_) * kUnknownsMax, 0.0);
+  std::fill(b_, b_ + unknowns_, 0.0);
+}
+
+bool Bundle::step() {
+  switch (phase_) {
+    case Phase::kLinearize: {
+      if (next_point_ == 0) start_iteration();
+      const size_t end = std::min(points_.size(), next_point_ + kPointsPerStep);
+      for (; next_point_ < end; ++next_point_) {
+        linearize_point(points_[next_point_]);
+        eliminate_point(points_[next_point_]);
+      }
+      if (next_point_ < points_.size()) return false;
+      linearize_links();
+      cost_ = cost_trial_;
+      if (iteration_ == 0) cost_before_ = cost_;
+      phase_ = Phase::kSolve;
+      return false;
+    }
+    case Phase::kSolve:
+      solve();
+      return phase_ == Phase::kDone;
+    case Phase::kEvaluate: {
+      const size_t end = std::min(points_.size(), next_point_ + 2 * kPointsPerStep);
+      for (; next_point_ < end; ++next_point_) cost_trial_ += evaluate_point(points_[next_point_]);
+      if (next_point_ == points_.size()) judge();
+      return phase_ == Phase::kDone;
+    }
+    case Phase::kDone:
+      return true;
+  }
+  return true;
+}
+
+double Bundle::robust_cost(double squares) const {
+  const double k = params_.huber_sigma;
+  return squares <= k * k ? squares : 2 * k * std::sqrt(squares) - k * k;
+}
+
+// Accumulates the point's own 3 x 3, and per free frame the 6 x 6, the 6 x 3 and the gradient.
+void Bundle::linearize_point(Point& point) {
+  const double inverse_sigma = 1.0 / params_.sigma_px;
+  Mat3 H = Mat3::Zero();
+  point.b.setZero();
+  point.first_share = static_cast<int>(shares_.size());
+  point.share_count = 0;
+  int share_frame = -1;
+  Share* share = nullptr;
+  for (int o = point.first; o < point.first + point.count; ++o) {
+    const Observation2& z = observations_[static_cast<size_t>(o)];
+    const Frame& frame = frames_[static_cast<size_t>(z.frame)];
+    const SE3& T_CW = frame.T_CW[z.camera];
+    Vec2 uv;
+    Mat23 J_C;
+    if (!camera_[z.camera].project(T_CW * point.p_W, uv, J_C)) {
+      cost_trial_ += robust_cost(kBehindCamera_sigma2);
+      continue;
+    }
+    const Vec2 r = (Vec2(z.x, z.y) - uv) * inverse_sigma;
+    const double squares = r.squaredNorm();
+    cost_trial_ += robust_cost(squares);
+    const double e = std::sqrt(squares);
+    const double weight = e > params_.huber_sigma ? params_.huber_sigma / e : 1.0;
+    const Mat23 J_point = J_C * T_CW.R * inverse_sigma;
+    const Mat23 WJ_point = weight * J_point;
+    H.noalias() += WJ_point.transpose() * J_point;
+    point.b.noalias() += WJ_point.transpose() * r;
+    if (frame.unknown < 0) continue;
+    if (share == nullptr || z.frame != share_frame) {
+      share = shares_.append();
+      if (share == nullptr) continue;  // counted by the caller as a full bundle
+      share->unknown = frame.unknown;
+      share->W.setZero();
+      share_frame = z.frame;
+      ++point.share_count;
+    }
+    const SE3& T_CB = frame.T_CB[z.camera];
+    const Vec3 p_B = frame.state.T_WB.R.transpose() * (point.p_W - frame.state.T_WB.p);
+    Mat26 J;
+    J.leftCols<3>() = (J_C * T_CB.R * inverse_sigma) * skew(p_B);
+    J.rightCols<3>() = -J_point;
+    const Mat26 WJ = weight * J;
+    share->W.noalias() += WJ.transpose() * J_point;
+    const Vec6 g = WJ.transpose() * r;
+    const int at = frame.unknown;
+    for (int i = 0; i < 6; ++i) {
+      double* out = row(at + i) + at;
+      for (int j = i; j < 6; ++j) out[j] += WJ(0, i) * J(0, j) + WJ(1, i) * J(1, j);
+      b_[at + i] += g[i];
+    }
+  }
+  // A point that is seen along one ray only would not invert; a metre of prior costs nothing.
+  H.diagonal().array() += 1e-6;
+  point.H_inverse = H.inverse();
+}
+
+// Schur complement: takes the point out of the system, frame pair by frame pair.
+void Bundle::eliminate_point(const Point& point) {
+  for (int a = 0; a < point.share_count; ++a) {
+    const Share& A = shares_[static_cast<size_t>(point.first_share + a)];
+    const Mat63 WH = A.W * point.H_inverse;
+    const Vec6 g = WH * point.b;
+    for (int i = 0; i < 6; ++i) b_[A.unknown + i] -= g[i];
+    for (int c = a; c < point.share_count; ++c) {
+      const Share& C = shares_[static_cast<size_t>(point.first_share + c)];
+      const Mat6 block = WH * C.W.transpose();
+      for (int i = 0; i < 6; ++i) {
+        double* out = row(A.unknown + i) + C.unknown;
+        for (int j = a == c ? i : 0; j < 6; ++j) out[j] -= block(i, j);
+      }
+    }
+  }
+}
+
+void Bundle::linearize_links() {
+  const auto add = [this](int at_row, int at_column, const Mat15& block) {
+    for (int i = 0; i < 15; ++i) {
+      double* out = row(at_row + i) + at_column;
+      for (int j = at_row == at_column ? i : 0; j < 15; ++j) out[j] += block(i, j);
+    }
+  };
+  for (const ImuLink& link : links_) {
+    const Frame& a = frames_[static_cast<size_t>(link.from)];
+    const Frame& b = frames_[static_cast<size_t>(link.to)];
+    const Vec15 r = link_residual(link, a.state, b.state);
+    Mat15 J_a, J_b;
+    link_jacobians(link, a.state, b.state, J_a, J_b);
+    const Vec15 Wr = weigh(link, r);
+    cost_trial_ += r.dot(Wr);
+    const Mat15 WJ_b = weigh(link, J_b);
+    if (a.unknown >= 0) {
+      const Vec15 g = J_a.transpose() * Wr;
+      for (int i = 0; i < 15; ++i) b_[a.unknown + i] -= g[i];
+      add(a.unknown, a.unknown, J_a.transpose() * weigh(link, J_a));
+      add(a.unknown, b.unknown, J_a.transpose() * WJ_b);
+    }
+    const Vec15 g = J_b.transpose() * Wr;
+    for (int i = 0; i < 15; ++i) b_[b.unknown + i] -= g[i];
+    add(b.unknown, b.unknown, J_b.transpose() * WJ_b);
+  }
+  if (prior_.frame >= 0) {
+    const Frame& frame = frames_[static_cast<size_t>(prior_.frame)];
+    const Vec15 r = boxminus(frame.state, prior_.state);
+    const Vec15 Wr = prior_.information * r;
+    cost_trial_ += r.dot(Wr);
+    for (int i = 0; i < 15; ++i) b_[frame.unknown + i] -= Wr[i];
+    add(frame.unknown, frame.unknown, prior_.information);
+  }
+}
+
+void Bundle::solve() {
+  const size_t n = static_cast<size_t>(unknowns_);
+  for (size_t i = 0; i < n; ++i) {
+    std::copy(row(static_cast<int>(i)) + i, row(static_cast<int>(i)) + n,
+              S_damped_ + i * kUnknownsMax + i);
+    S_damped_[i * kUnknownsMax + i] *= 1 + lambda_;
+  }
+  std::copy(b_, b_ + n, delta_);
+  Mat15 information;
+  ++iteration_;
+  if (n < 15 || !solve_spd(S_damped_, kUnknownsMax, delta_, n, information.data(), 15)) {
+    lambda_ *= 100;
+    if (iteration_ >= static_cast<int>(params_.iterations_max)) phase_ = Phase::kDone;
+    return;
+  }
+  newest_cov_ = information.llt().solve(Mat15::Identity());
+  apply(delta_);
+  cost_trial_ = evaluate_links();
+  next_point_ = 0;
+  phase_ = Phase::kEvaluate;
+}
+
+void Bundle::apply(const double* delta) {
+  for (Frame& frame : frames_) {
+    if (frame.unknown < 0) continue;
+    frame.trial = boxplus(frame.state, Eigen::Map<const Vec15>(delta + frame.unknown));
+    place_cameras(frame, frame.trial);
+  }
+  for (Point& point : points_) {
+    Vec3 rhs = point.b;
+    for (int s = 0; s < point.share_count; ++s) {
+      const Share& share = shares_[static_cast<size_t>(point.first_share + s)];
+      rhs -= share.W.transpose() * Eigen::Map<const Vec6>(delta + share.unknown);
+    }
+    point.trial = point.p_W + point.H_inverse * rhs;
+  }
+}
+
+double Bundle::evaluate_point(const Point& point) const {
+  double cost = 0;
+  for (int o = point.first; o < point.first + point.count; ++o) {
+    const Observation2& z = observations_[static_cast<size_t>(o)];
+    Vec2 uv;
+    if (!camera_[z.camera].project(
+            frames_[static_cast<size_t>(z.frame)].T_CW[z.camera] * point.trial, uv)) {
+      cost += robust_cost(kBehindCamera_sigma2);
+      continue;
+    }
+    const Vec2 r = (Vec2(z.x, z.y) - uv) / params_.sigma_px;
+    cost += robust_cost(r.squaredNorm());
+  }
+  return cost;
+}
+
+double Bundle::evaluate_links() const {
+  double cost = 0;
+  for (const ImuLink& link : links_) {
+    const Vec15 r = link_residual(link, frames_[static_cast<size_t>(link.from)].trial,
+                                  frames_[static_cast<size_t>(link.to)].trial);
+    cost += r.dot(weigh(link, r));
+  }
+  if (prior_.frame >= 0) {
+    const Vec15 r = boxminus(frames_[static_cast<size_t>(prior_.frame)].trial, prior_.state);
+    cost += r.dot(prior_.information * r);
+  }
+  return cost;
+}
+
+void Bundle::judge() {
+  const bool last = iteration_ >= static_cast<int>(params_.iterations_max);
+  if (cost_trial_ < cost_) {
+    ++accepted_;
+    const bool converged = cost_ - cost_trial_ < 1e-3 * cost_;
+    cost_ = cost_trial_;
+    for (Frame& frame : frames_) frame.state = frame.trial;
+    for (Point& point : points_) point.p_W = point.trial;
+    lambda_ = std::max(1e-7, lambda_ * 0.1);
+    next_point_ = 0;
+    phase_ = last || converged ? Phase::kDone : Phase::kLinearize;
+    return;
+  }
+  for (Frame& frame : frames_) {
+    frame.trial = frame.state;
+    place_cameras(frame, frame.state);
+  }
+  lambda_ *= 30;
+  phase_ = last ? Phase::kDone : Phase::kSolve;
+}
+
+double Bundle::residual_sigma(int point, int observation) const {
+  const Point& p = points_[static_cast<size_t>(point)];
+  const Observation2& z = observations_[static_cast<size_t>(p.first + observation)];
+  Vec2 uv;
+  if (!camera_[z.camera].project(frames_[static_cast<size_t>(z.frame)].T_CW[z.camera] * p.p_W,
+                                 uv)) {
+    return std::numeric_limits<double>::infinity();
+  }
+  return (Vec2(z.x, z.y) - uv).norm() / params_.sigma_px;
+}
+
+}  // namespace pirvs

@@ -1,0 +1,116 @@
+// Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
+// In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
+// Out     refined states and points, each point's covariance, each observation's residual, and the
+//         covariance of the newest frame (added last) given the fixed ones.
+// Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
+// Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
+// Cost    one iteration of 10 free frames, 400 points, 3000 observations: ~2 ms, x86-64.
+// Source  Triggs et al., Bundle adjustment, 2000, section 6 (Schur complement); Forster et al.,
+//         T-RO 2017 (IMU residuals); PIRVS paper, section IV.C and its future work.
+#pragma once
+
+#include "core/camera/camera.h"
+#include "core/store/fixed_vector.h"
+#include "modules/map/map.h"
+#include "modules/mapping/imu_link.h"
+#include "modules/mapping/mapping_params.h"
+
+namespace pirvs {
+
+class Bundle {
+ public:
+  static constexpr int kFreeMax = 12;
+  static constexpr int kFramesMax = kFreeMax + 25;
+  static constexpr int kPointsMax = 1536;
+  static constexpr int kObservationsMax = 24576;
+  static constexpr int kSharesMax = 8192;  // point x free frame
+  static constexpr int kUnknownsMax = kFreeMax * 15;
+
+  void begin(const Camera* cameras, const ImuNoise& noise, const MappingParams& params);
+  int add_frame(const BodyState& state, bool fixed);  // index, or -1; free ones in order of time
+  void link(int from, int to, const Preintegration& motion);
+  void set_prior(int frame, const Mat15& information);  // around the frame's state now
+  int add_point(const Vec3& p_W);                       // index, or -1
+  bool add_observation(int point, int frame, int camera, const Vec2& uv);  // to the newest point
+
+  // Does a part of the work; true when all is done.
+  bool step();
+  bool solved() const { return accepted_ > 0; }
+
+  const BodyState& state(int frame) const { return frames_[frame].state; }
+  const Vec3& point(int i) const { return points_[i].p_W; }
+  Mat3 point_cov(int i) const { return points_[i].H_inverse; }
+  const Mat15& newest_cov() const { return newest_cov_; }
+  // Residual in sigmas after the last step; infinite for a point behind its camera.
+  double residual_sigma(int point, int observation) const;
+  int observations(int point) const { return points_[point].count; }
+  int points() const { return static_cast<int>(points_.size()); }
+  double cost_before() const { return cost_before_; }
+  double cost() const { return cost_; }
+  int iterations() const { return iteration_; }
+
+ private:
+  struct Frame {
+    BodyState state, trial;
+    int unknown;  // first row of its 15, or -1 when fixed
+    SE3 T_CW[kCamerasMax], T_CB[kCamerasMax];
+  };
+  struct Point {
+    Vec3 p_W, trial;
+    int first, count;              // observations
+    int first_share, share_count;  // frames that move it, set by linearize
+    Mat3 H_inverse;
+    Vec3 b;
+  };
+  struct Observation2 {
+    int16_t frame;
+    int16_t camera;
+    float x, y;
+  };
+  struct Share {
+    int unknown;
+    Mat63 W;  // J_pose' J_point, weighted
+  };
+  struct Prior {
+    int frame = -1;
+    BodyState state;
+    Mat15 information;
+  };
+  enum class Phase : uint8_t { kLinearize, kSolve, kEvaluate, kDone };
+
+  void place_cameras(Frame& frame, const BodyState& state) const;
+  void start_iteration();
+  void linearize_point(Point& point);
+  void eliminate_point(const Point& point);
+  void linearize_links();
+  void solve();
+  void apply(const double* delta);
+  double evaluate_point(const Point& point) const;
+  double evaluate_links() const;
+  double robust_cost(double squares) const;
+  void judge();
+  double* row(int i) { return S_ + static_cast<size_t>(i) * kUnknownsMax; }
+
+  Camera camera_[kCamerasMax];
+  ImuNoise noise_;
+  MappingParams params_;
+  FixedVector<Frame, kFramesMax> frames_;
+  FixedVector<Point, kPointsMax> points_;
+  FixedVector<Observation2, kObservationsMax> observations_;
+  FixedVector<Share, kSharesMax> shares_;
+  FixedVector<ImuLink, kFreeMax + 1> links_;
+  Prior prior_;
+  int unknowns_ = 0;
+
+  Phase phase_ = Phase::kLinearize;
+  size_t next_point_ = 0;
+  int iteration_ = 0, accepted_ = 0;
+  double lambda_ = 1e-4, cost_ = 0, cost_before_ = 0, cost_trial_ = 0;
+  Mat15 newest_cov_ = Mat15::Identity();
+  double S_[kUnknownsMax * kUnknownsMax];
+  double S_damped_[kUnknownsMax * kUnknownsMax];
+  double b_[kUnknownsMax];
+  double delta_[kUnknownsMax];
+};
+
+}  // namespace pirvs

@@ -1,0 +1,423 @@
+#include "modules/mapping/mapper.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/assert.h"
+
+namespace pirvs {
+
+void Mapper::configure(const Camera* cameras, const ImuNoise& noise, const MappingParams& params,
+                       KeyframeRing* keyframes, MapMailbox* snapshots) {
+  for (int c = 0; c < kCamerasMax; ++c) camera_[c] = cameras[c];
+  noise_ = noise;
+  params_ = params;
+  ring_ = keyframes;
+  mailbox_ = snapshots;
+}
+
+void Mapper::on_keyframe_removed(void (*sink)(void*, const BodyState&), void* context) {
+  removed_sink_ = sink;
+  removed_context_ = context;
+}
+
+bool Mapper::step() {
+  switch (phase_) {
+    case Phase::kIdle: {
+      const KeyframeMessage* message = ring_->front();
+      if (message == nullptr) return false;
+      insert(*message);
+      if (message->adjust) phase_ = Phase::kBuild;
+      ring_->pop();
+      return true;
+    }
+    case Phase::kBuild:
+      build();
+      phase_ = Phase::kAdjust;
+      return true;
+    case Phase::kAdjust:
+      if (bundle_.step()) phase_ = Phase::kFinish;
+      return true;
+    case Phase::kFinish:
+      finish();
+      phase_ = Phase::kIdle;
+      return ring_->size() > 0;
+  }
+  return false;
+}
+
+// ---- keyframes and points ---------------------------------------------------------------------
+
+void Mapper::forget_all() {
+  while (!order_.empty()) remove_keyframe(0);
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    if (map_.landmarks.at(slot) != nullptr) (void)map_.landmarks.release(map_.landmarks.handle(slot));
+  }
+}
+
+void Mapper::remove_keyframe(size_t order) {
+  Keyframe& leaving = keyframe(order);
+  for (Observations& observations : leaving.observations) {
+    for (Observation& sighting : observations) detach(sighting);
+  }
+  if (removed_sink_ != nullptr) removed_sink_(removed_context_, leaving.state);
+  (void)map_.keyframes.release(order_[order]);
+  for (size_t i = order + 1; i < order_.size(); ++i) order_[i - 1] = order_[i];
+  order_.pop_back();
+  ++counters_.keyframes_removed;
+}
+
+void Mapper::attach(Observation& sighting, LandmarkId id, Landmark& landmark) {
+  sighting.landmark = id;
+  ++landmark.views;
+}
+
+void Mapper::detach(Observation& sighting) {
+  Landmark* landmark = map_.landmarks.find(sighting.landmark);
+  sighting.landmark = LandmarkId{};
+  if (landmark != nullptr) --landmark->views;
+}
+
+void Mapper::insert(const KeyframeMessage& message) {
+  if (message.restart) {
+    if (!order_.empty()) ++counters_.restarts;
+    forget_all();
+  }
+  if (order_.full()) remove_keyframe(0);
+  const Result<KeyframeId> id = map_.keyframes.acquire();
+  PIRVS_ASSERT(id.ok());  // order_ holds every live keyframe, and one has just left if it was full
+  Keyframe& fresh = *map_.keyframes.find(id.value());
+  fresh.sequence = message.sequence;
+  fresh.state = message.state;
+  fresh.from_previous = message.from_previous;
+  fresh.linked = message.linked && !order_.empty() &&
+                 keyframe(order_.size() - 1).sequence + 1 == message.sequence;
+  const bool added = order_.push_back(id.value());
+  PIRVS_ASSERT(added);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    fresh.observations[c] = message.observations[c];
+    for (Observation& sighting : fresh.observations[c]) {
+      const LandmarkId landmark_id = sighting.landmark;
+      sighting.landmark = LandmarkId{};
+      Landmark* landmark = map_.landmarks.find(landmark_id);
+      if (landmark == nullptr) continue;
+      // Two tracks of one camera on one point: the second is a wrong match.
+      if (landmark->last_keyframe == fresh.sequence && landmark->track[c] != 0) continue;
+      if (landmark->last_keyframe != fresh.sequence) {
+        landmark->track[0] = landmark->track[1] = 0;
+        landmark->last_keyframe = fresh.sequence;
+      }
+      landmark->track[c] = sighting.track;
+      attach(sighting, landmark_id, *landmark);
+    }
+  }
+  create_points(fresh);
+  ++counters_.keyframes;
+}
+
+void Mapper::create_points(Keyframe& keyframe) {
+  for (int c = 0; c < kCamerasMax; ++c) {
+    for (size_t i = 0; i < keyframe.observations[c].size(); ++i) {
+      Observation& sighting = keyframe.observations[c][i];
+      if (sighting.landmark.valid() || !sighting.described) continue;
+      create_point(keyframe, c, i);
+    }
+  }
+}
+
+// All views of one track that has no point yet: here, in the other camera, in the last keyframes.
+int Mapper::gather_views(const Keyframe& keyframe, int camera, size_t index, View* views,
+                         Observation** sightings) {
+  int count = 0;
+  const auto add = [&](const Keyframe& from, int c, Observation& sighting) {
+    const SE3 T_CW = (from.state.T_WB * camera_[c].T_BC).inverse();
+    views[count] = {&camera_[c], T_CW, Vec2(sighting.x, sighting.y)};
+    sightings[count++] = &sighting;
+  };
+  Observation& here = const_cast<Observation&>(keyframe.observations[camera][index]);
+  add(keyframe, camera, here);
+  if (here.stereo >= 0) {
+    Observation& other = const_cast<Observation&>(
+        keyframe.observations[1 - camera][static_cast<size_t>(here.stereo)]);
+    if (!other.landmark.valid()) add(keyframe, 1 - camera, other);
+  }
+  const size_t last = order_.size() - 1;
+  for (size_t back = 1; back <= last && back <= 6 && count < kViewsMax; ++back) {
+    Keyframe& earlier = this->keyframe(last - back);
+    bool seen = false;
+    for (Observation& sighting : earlier.observations[camera]) {
+      if (sighting.track != here.track || sighting.landmark.valid()) continue;
+      add(earlier, camera, sighting);
+      seen = true;
+      break;
+    }
+    if (!seen) break;  // a track is never interrupted
+  }
+  return count;
+}
+
+void Mapper::create_point(Keyframe& keyframe, int camera, size_t index) {
+  View views[kViewsMax];
+  Observation* sightings[kViewsMax];
+  const int count = gather_views(keyframe, camera, index, views, sightings);
+  if (count < 2) return;
+  const bool stereo = count >= 2 && views[0].camera != views[1].camera;
+  Triangulated point;
+  const float parallax_min = stereo ? params_.stereo_parallax_rad_min : params_.parallax_rad_min;
+  if (!triangulate(views, count, params_.sigma_px, point) || point.parallax_rad < parallax_min ||
+      point.residual_px_max > params_.new_point_residual_px) {
+    ++counters_.points_rejected;
+    return;
+  }
+  const Result<LandmarkId> id = map_.landmarks.acquire();
+  if (!id.ok()) {
+    ++counters_.points_full;
+    return;
+  }
+  Landmark& landmark = *map_.landmarks.find(id.value());
+  landmark = Landmark{};
+  landmark.p_W = point.p_W;
+  landmark.cov = point.cov;
+  landmark.descriptor = keyframe.observations[camera][index].descriptor;
+  const Vec3 towards = (keyframe.state.T_WB * camera_[camera].T_BC).p - point.p_W;
+  landmark.distance_m = static_cast<float>(towards.norm());
+  landmark.view_W = towards / towards.norm();
+  landmark.last_keyframe = keyframe.sequence;
+  landmark.track[camera] = keyframe.observations[camera][index].track;
+  if (stereo) landmark.track[1 - camera] = sightings[1]->track;
+  for (int i = 0; i < count; ++i) attach(*sightings[i], id.value(), landmark);
+  ++(stereo ? counters_.points_stereo : counters_.points_temporal);
+}
+
+// ---- adjustment -------------------------------------------------------------------------------
+
+void Mapper::build() {
+  bundle_.begin(camera_, noise_, params_);
+  members_.clear();
+  const size_t window = std::min(order_.size(), static_cast<size_t>(params_.window));
+  const size_t window_begin = order_.size() - window;
+  choose_fixed(window_begin);
+  window_first_ = static_cast<int>(members_.size());
+  for (size_t i = window_begin; i < order_.size(); ++i) {
+    const Keyframe& member = keyframe(i);
+    const int frame = bundle_.add_frame(member.state, false);
+    PIRVS_ASSERT(frame >= 0);  // window <= Bundle::kFreeMax by its range
+    (void)members_.push_back({static_cast<uint16_t>(i), static_cast<int16_t>(frame)});
+    const bool has_before = members_.size() >= 2 && i > 0 &&
+                            members_[members_.size() - 2].order + size_t{1} == i;
+    if (member.linked && has_before) {
+      bundle_.link(members_[members_.size() - 2].frame, frame, member.from_previous);
+    } else if (i == window_begin) {
+      add_prior(frame, member);
+    }
+  }
+  add_points(window_begin);
+}
+
+// The start has no older keyframe to stand on: place and heading are fixed by convention, the
+// biases by what such sensors are like.
+void Mapper::add_prior(int frame, const Keyframe& first) {
+  const auto information = [](double sigma) { return 1.0 / (sigma * sigma); };
+  Mat15 prior = Mat15::Zero();
+  const Vec3 about_axes(information(0.05), information(0.05), information(1e-4));
+  const Mat3 R = first.state.T_WB.R;
+  prior.block<3, 3>(0, 0) = R.transpose() * about_axes.asDiagonal() * R;
+  prior.diagonal().segment<3>(3).setConstant(information(1e-4));
+  prior.diagonal().segment<3>(6).setConstant(information(1.0));
+  prior.diagonal().segment<3>(9).setConstant(information(params_.start_sigma_gyro_bias));
+  prior.diagonal().segment<3>(12).setConstant(information(params_.start_sigma_accel_bias));
+  bundle_.set_prior(frame, prior);
+}
+
+// Older keyframes that share the most points with the window, and the one just before it, which the
+// IMU ties to it.
+void Mapper::choose_fixed(size_t window_begin) {
+  if (window_begin == 0) return;
+  uint64_t in_window[kLandmarksMax / 64] = {};
+  for (size_t i = window_begin; i < order_.size(); ++i) {
+    for (const Observations& observations : keyframe(i).observations) {
+      for (const Observation& sighting : observations) {
+        if (!sighting.landmark.valid()) continue;
+        in_window[sighting.landmark.slot / 64] |= uint64_t{1} << (sighting.landmark.slot % 64);
+      }
+    }
+  }
+  struct Candidate {
+    uint16_t order;
+    int shared;
+  };
+  FixedVector<Candidate, kKeyframesMax> candidates;
+  for (size_t i = 0; i + 1 < window_begin; ++i) {
+    int shared = 0;
+    for (const Observation& sighting : keyframe(i).observations[0]) {
+      const uint16_t slot = sighting.landmark.slot;
+      if (sighting.landmark.valid() && (in_window[slot / 64] >> (slot % 64) & 1)) ++shared;
+    }
+    if (static_cast<float>(shared) >= params_.shared_points_min) {
+      (void)candidates.push_back({static_cast<uint16_t>(i), shared});
+    }
+  }
+  const size_t wanted = static_cast<size_t>(params_.fixed_keyframes);
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.shared != b.shared ? a.shared > b.shared : a.order > b.order;
+  });
+  if (candidates.size() > wanted) candidates.resize(wanted);
+  std::sort(candidates.begin(), candidates.end(),
+            [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
+  (void)candidates.push_back({static_cast<uint16_t>(window_begin - 1), 0});
+  for (const Candidate& candidate : candidates) {
+    const int frame = bundle_.add_frame(keyframe(candidate.order).state, true);
+    if (frame < 0) break;
+    (void)members_.push_back({candidate.order, static_cast<int16_t>(frame)});
+  }
+}
+
+// Observations are grouped by point for the bundle: a counting sort over the landmarks' slots.
+void Mapper::add_points(size_t window_begin) {
+  bundle_points_.clear();
+  sightings_.clear();
+  static constexpr uint16_t kNone = UINT16_MAX;
+  uint16_t place[kLandmarksMax];
+  std::fill(std::begin(place), std::end(place), kNone);
+  uint16_t counts[Bundle::kPointsMax] = {};
+  for (size_t i = order_.size(); i-- > window_begin;) {  // newest first: they matter most
+    for (const Observations& observations : keyframe(i).observations) {
+      for (const Observation& sighting : observations) {
+        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
+        uint16_t& at = place[sighting.landmark.slot];
+        if (at != kNone) continue;
+        if (!bundle_points_.push_back(sighting.landmark)) {
+          ++counters_.bundle_full;
+          continue;
+        }
+        at = static_cast<uint16_t>(bundle_points_.size() - 1);
+      }
+    }
+  }
+  struct Entry {
+    Observation* observation;
+    int16_t frame, camera;
+  };
+  static FixedVector<Entry, Bundle::kObservationsMax> sorted;
+  const auto for_each = [&](auto&& visit) {
+    for (const Member& member : members_) {
+      for (int c = 0; c < kCamerasMax; ++c) {
+        for (Observation& sighting : keyframe(member.order).observations[c]) {
+          if (!sighting.landmark.valid() || place[sighting.landmark.slot] == kNone) continue;
+          visit(place[sighting.landmark.slot], Entry{&sighting, member.frame, int16_t(c)});
+        }
+      }
+    }
+  };
+  size_t total = 0;
+  for_each([&](uint16_t point, const Entry&) {
+    if (total >= Bundle::kObservationsMax) return;
+    ++counts[point];
+    ++total;
+  });
+  uint32_t next[Bundle::kPointsMax];
+  uint32_t sum = 0;
+  for (size_t p = 0; p < bundle_points_.size(); ++p) {
+    next[p] = sum;
+    sum += counts[p];
+  }
+  sorted.resize(total);
+  size_t visited = 0;
+  for_each([&](uint16_t point, const Entry& entry) {
+    if (visited++ < total) sorted[next[point]++] = entry;
+  });
+  size_t at = 0;
+  for (size_t p = 0; p < bundle_points_.size(); ++p) {
+    const int point = bundle_.add_point(map_.landmarks.find(bundle_points_[p])->p_W);
+    for (uint16_t k = 0; k < counts[p]; ++k, ++at) {
+      const Entry& entry = sorted[at];
+      const bool added =
+          bundle_.add_observation(point, entry.frame, entry.camera,
+                                  Vec2(entry.observation->x, entry.observation->y)) &&
+          sightings_.push_back({entry.observation});
+      PIRVS_ASSERT(added);  // total was limited above
+    }
+  }
+}
+
+void Mapper::finish() {
+  ++counters_.adjustments;
+  if (!bundle_.solved()) {
+    ++counters_.adjustments_failed;
+  } else {
+    write_back();
+    remove_outliers();
+  }
+  newest_cov_ = bundle_.newest_cov();
+  remove_weak_points();
+  publish();
+}
+
+void Mapper::write_back() {
+  for (size_t m = static_cast<size_t>(window_first_); m < members_.size(); ++m) {
+    keyframe(members_[m].order).state = bundle_.state(members_[m].frame);
+  }
+  for (size_t p = 0; p < bundle_points_.size(); ++p) {
+    Landmark* landmark = map_.landmarks.find(bundle_points_[p]);
+    landmark->p_W = bundle_.point(static_cast<int>(p));
+    landmark->cov = bundle_.point_cov(static_cast<int>(p));
+  }
+}
+
+void Mapper::remove_outliers() {
+  size_t at = 0;
+  const Keyframe& newest = keyframe(order_.size() - 1);
+  for (int p = 0; p < bundle_.points(); ++p) {
+    for (int k = 0; k < bundle_.observations(p); ++k, ++at) {
+      if (bundle_.residual_sigma(p, k) < params_.outlier_sigma) continue;
+      Observation& sighting = *sightings_[at].observation;
+      Landmark* landmark = map_.landmarks.find(sighting.landmark);
+      if (landmark != nullptr && landmark->last_keyframe == newest.sequence) {
+        for (TrackId& track : landmark->track) {
+          if (track == sighting.track) track = 0;  // tracking must not go on with it
+        }
+      }
+      detach(sighting);
+      ++counters_.observations_removed;
+    }
+  }
+}
+
+// A point needs two views, and once its first keyframes are past, three.
+void Mapper::remove_weak_points() {
+  const uint32_t newest = keyframe(order_.size() - 1).sequence;
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    const Landmark* landmark = map_.landmarks.at(slot);
+    if (landmark == nullptr) continue;
+    const uint16_t wanted = newest - landmark->last_keyframe > 2 ? 3 : 2;
+    if (landmark->views >= wanted) continue;
+    (void)map_.landmarks.release(map_.landmarks.handle(slot));
+    ++counters_.points_removed;
+  }
+}
+
+void Mapper::publish() {
+  MapSnapshot& snapshot = mailbox_->back();
+  const Keyframe& newest = keyframe(order_.size() - 1);
+  const Vec3 p_WB = newest.state.T_WB.p;
+  snapshot.keyframe = newest.sequence;
+  snapshot.state = newest.state;
+  snapshot.cov = newest_cov_;
+  snapshot.points.clear();
+  const double sigma_rel2 = params_.point_sigma_rel_max * params_.point_sigma_rel_max;
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    const Landmark* landmark = map_.landmarks.at(slot);
+    if (landmark == nullptr) continue;
+    const double distance2 = (landmark->p_W - p_WB).squaredNorm();
+    if (landmark->cov.trace() > sigma_rel2 * distance2) continue;
+    MapPoint* point = snapshot.points.append();
+    *point = {map_.landmarks.handle(slot), landmark->p_W,       landmark->cov,
+              landmark->descriptor,        landmark->view_W,    landmark->distance_m,
+              {landmark->track[0],         landmark->track[1]},
+              landmark->last_keyframe == newest.sequence};
+    if (!point->in_newest) point->track[0] = point->track[1] = 0;
+  }
+  mailbox_->publish();
+}
+
+}  // namespace pirvs

@@ -1,0 +1,88 @@
+// Builds and refines the map beside tracking: keyframes in, triangulated and adjusted points out.
+// In      KeyframeMessage by ring. Out: MapSnapshot by mailbox; the Map itself, to read at the end.
+// Frames  W, B, C as everywhere.
+// Errors  none to the caller; full pools and rejected points are counted by name.
+// Cost    step(): ~0.3 ms at most, ~6 ms a keyframe in all, x86-64.
+// Source  PIRVS paper, section IV.C.
+#pragma once
+
+#include "modules/map/map.h"
+#include "modules/mapping/bundle.h"
+#include "modules/mapping/mapping_params.h"
+#include "modules/mapping/triangulate.h"
+#include "modules/tracking/tracker.h"
+
+namespace pirvs {
+
+struct MappingCounters {
+  uint32_t keyframes = 0, keyframes_removed = 0, adjustments = 0, adjustments_failed = 0;
+  uint32_t points_stereo = 0, points_temporal = 0, points_removed = 0, points_full = 0;
+  uint32_t points_rejected = 0, observations_removed = 0, bundle_full = 0, restarts = 0;
+};
+
+class Mapper {
+ public:
+  void configure(const Camera* cameras, const ImuNoise& noise, const MappingParams& params,
+                 KeyframeRing* keyframes, MapMailbox* snapshots);
+  // One slice of work; true when there is more to do at once.
+  bool step();
+
+  const Map& map() const { return map_; }
+  const MappingCounters& counters() const { return counters_; }
+  // Called with each keyframe that leaves the map, refined as it is then.
+  void on_keyframe_removed(void (*sink)(void*, const BodyState&), void* context);
+
+ private:
+  enum class Phase : uint8_t { kIdle, kBuild, kAdjust, kFinish };
+
+  void insert(const KeyframeMessage& message);
+  void forget_all();
+  void remove_keyframe(size_t order);
+  void create_points(Keyframe& keyframe);
+  void create_point(Keyframe& keyframe, int camera, size_t index);
+  int gather_views(const Keyframe& keyframe, int camera, size_t index, View* views,
+                   Observation** sightings);
+  void attach(Observation& sighting, LandmarkId id, Landmark& landmark);
+  void detach(Observation& sighting);
+
+  void build();
+  void choose_fixed(size_t window_begin);
+  void add_points(size_t window_begin);
+  void add_prior(int first_frame, const Keyframe& first);
+  void finish();
+  void write_back();
+  void remove_outliers();
+  void remove_weak_points();
+  void publish();
+
+  Keyframe& keyframe(size_t order) { return *map_.keyframes.find(order_[order]); }
+
+  static constexpr int kViewsMax = 8;
+  Camera camera_[kCamerasMax];
+  ImuNoise noise_;
+  MappingParams params_;
+  KeyframeRing* ring_ = nullptr;
+  MapMailbox* mailbox_ = nullptr;
+  void (*removed_sink_)(void*, const BodyState&) = nullptr;
+  void* removed_context_ = nullptr;
+
+  Map map_;
+  FixedVector<KeyframeId, kKeyframesMax> order_;  // live keyframes, oldest first
+  Phase phase_ = Phase::kIdle;
+  Bundle bundle_;
+  struct Member {
+    uint16_t order;  // place in order_
+    int16_t frame;   // in the bundle
+  };
+  FixedVector<Member, Bundle::kFramesMax> members_;  // keyframes in the bundle, oldest first
+  int window_first_ = 0;                             // first free one in members_
+  FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
+  struct Sighting {
+    Observation* observation;
+  };
+  FixedVector<Sighting, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  Mat15 newest_cov_ = Mat15::Identity();
+  MappingCounters counters_;
+};
+
+}  // namespace pirvs

@@ -1,0 +1,288 @@
+#include "modules/tracking/starter.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+
+#include "core/math/so3.h"
+#include "modules/mapping/triangulate.h"
+
+namespace pirvs {
+namespace {
+
+constexpr int kPointsMin = 20;             // stereo points worth starting an attempt with
+constexpr int kInliersMin = 12;            // located points below which an attempt ends
+constexpr double kGravityTolerance = 1.2;  // m/s^2, before the norm is imposed
+constexpr double kFitTolerance_m = 0.05;
+
+Mat15 start_cov(bool at_rest) {
+  Vec15 sigma;
+  sigma.segment<3>(0).setConstant(0.02);                    // rad
+  sigma.segment<3>(3).setConstant(0.01);                    // m
+  sigma.segment<3>(6).setConstant(at_rest ? 0.02 : 0.15);   // m/s
+  sigma.segment<3>(9).setConstant(at_rest ? 0.005 : 0.02);  // rad/s
+  sigma.segment<3>(12).setConstant(0.1);                    // m/s^2
+  return sigma.cwiseAbs2().asDiagonal();
+}
+
+// The rotation with the given heading that stands gravity upright.
+Mat3 upright(const Vec3& g_B0, const Mat3& R_heading) {
+  const Vec3 z_B = -g_B0.normalized();
+  // The axis of B that was least vertical keeps its heading.
+  Vec3 x_B = R_heading.transpose() * Vec3::UnitX();
+  x_B -= x_B.dot(z_B) * z_B;
+  if (x_B.norm() < 0.1) x_B = z_B.cross(R_heading.transpose() * Vec3::UnitY()).cross(z_B);
+  x_B.normalize();
+  Mat3 R_WB;
+  R_WB.row(0) = x_B.transpose();
+  R_WB.row(1) = z_B.cross(x_B).transpose();
+  R_WB.row(2) = z_B.transpose();
+  return R_WB;
+}
+
+}  // namespace
+
+void Starter::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
+                        const TrackerParams& params) {
+  for (int c = 0; c < kCamerasMax; ++c) camera_[c] = cameras[c];
+  T_C1C0_ = camera_[1].T_BC.inverse() * camera_[0].T_BC;
+  noise_ = noise;
+  params_ = params;
+  locator_.configure(cameras, noise, filter);
+  reset();
+}
+
+void Starter::reset() {
+  imu_.clear();
+  frames_.clear();
+  points_[0].clear();
+  points_[1].clear();
+  keyframes_.clear();
+  R_B0B_.setIdentity();
+}
+
+void Starter::add_imu(const ImuSample& sample) {
+  if (frames_.empty()) imu_.clear();  // only what follows frame 0 counts
+  (void)imu_.push_back(sample);       // full: the attempt fails for want of samples
+}
+
+bool Starter::wants_keyframe() const {
+  return frames_.size() % static_cast<size_t>(params_.start_keyframe_every) == 0;
+}
+
+Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
+                          const Observations* keyframe, const StandstillDetector& standstill,
+                          const SE3& origin) {
+  if (frames_.empty()) return begin(t, keyframe);
+  SE3 T_B0B = frames_.back().T_B0B;
+  T_B0B.R = T_B0B.R * integrate(frames_.back().t, t, Vec3::Zero()).dR;
+  if (frames_.size() > 1) T_B0B.p += T_B0B.p - frames_[frames_.size() - 2].T_B0B.p;
+  const int inliers = locate(T_B0B, left, right);
+  if (inliers < kInliersMin || frames_.full()) {
+    reset();
+    return Status::kStale;
+  }
+  *frames_.append() = {t, T_B0B, keyframe != nullptr};
+  R_B0B_ = T_B0B.R;
+  if (keyframe != nullptr) {
+    add_points(T_B0B, keyframe);
+    add_keyframe(t, keyframe);
+  }
+  if (frames_.size() < static_cast<size_t>(params_.start_frames) || keyframe == nullptr) {
+    return Status::kEmpty;
+  }
+  const Status status = finish(standstill, origin);
+  if (status == Status::kStale && !keyframes_.full()) return Status::kEmpty;  // look longer
+  if (status != Status::kOk) reset();
+  return status;
+}
+
+Status Starter::begin(TimeNs t, const Observations* keyframe) {
+  const ImuSample* at_frame = imu_.empty() ? nullptr : &imu_.back();
+  if (keyframe == nullptr || at_frame == nullptr || at_frame->t != t) return Status::kStale;
+  const ImuSample first = *at_frame;
+  reset();
+  add_points(SE3{}, keyframe);
+  if (points_[0].size() < kPointsMin) {
+    reset();
+    return Status::kStale;
+  }
+  *frames_.append() = {t, SE3{}, true};
+  (void)imu_.push_back(first);
+  add_keyframe(t, keyframe);
+  return Status::kEmpty;
+}
+
+const Starter::Point* Starter::find(int camera, TrackId track) const {
+  for (const Point& point : points_[camera]) {
+    if (point.track == track) return &point;
+  }
+  return nullptr;
+}
+
+// Pose against the points of the attempt: the filter's own update with a loose prior, then again
+// with a tight one whose gate rejects what does not fit.
+int Starter::locate(SE3& T_B0B, const Tracks& left, const Tracks& right) {
+  correspondences_.clear();
+  const Tracks* tracks[kCamerasMax] = {&left, &right};
+  for (int c = 0; c < kCamerasMax; ++c) {
+    for (const Track& track : *tracks[c]) {
+      const Point* point = find(c, track.id);
+      if (point == nullptr) continue;
+      Correspondence* added = correspondences_.append();
+      if (added == nullptr) break;
+      *added = {point->p_B0, point->cov, Vec2(track.x, track.y), 1.0, c, Gate::kAccepted};
+    }
+  }
+  int inliers = 0;
+  for (const double scale : {1.0, 0.1}) {
+    Vec15 sigma = Vec15::Constant(1.0);
+    sigma.head<3>().setConstant(0.03 * scale);
+    sigma.segment<3>(3).setConstant(0.15 * scale);
+    BodyState guess;
+    guess.T_WB = T_B0B;
+    locator_.reset(guess, Mat15(sigma.cwiseAbs2().asDiagonal()));
+    inliers = locator_.update(correspondences_);
+    T_B0B = locator_.state().T_WB;
+  }
+  return inliers;
+}
+
+void Starter::add_points(const SE3& T_B0B, const Observations* keyframe) {
+  const SE3 T_CB0[kCamerasMax] = {(T_B0B * camera_[0].T_BC).inverse(),
+                                  (T_B0B * camera_[1].T_BC).inverse()};
+  for (const Observation& left : keyframe[0]) {
+    if (left.stereo < 0 || find(0, left.track) != nullptr) continue;
+    const Observation& right = keyframe[1][static_cast<size_t>(left.stereo)];
+    const View views[2] = {{&camera_[0], T_CB0[0], Vec2(left.x, left.y)},
+                           {&camera_[1], T_CB0[1], Vec2(right.x, right.y)}};
+    Triangulated point;
+    if (!triangulate(views, 2, 1.0, point) || point.residual_px_max > 2.0) continue;
+    // Twice the formal covariance: an error in depth stays the same for as long as the point lives.
+    (void)points_[0].push_back({left.track, point.p_W, 2.0 * point.cov});
+    (void)points_[1].push_back({right.track, point.p_W, 2.0 * point.cov});
+  }
+}
+
+void Starter::add_keyframe(TimeNs t, const Observations* keyframe) {
+  KeyframeMessage* message = keyframes_.append();
+  if (message == nullptr) return;
+  message->state.t = t;
+  message->observations[0] = keyframe[0];
+  message->observations[1] = keyframe[1];
+}
+
+Preintegration Starter::integrate(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
+  Preintegration sum;
+  sum.reset(b_g, Vec3::Zero());
+  for (size_t i = 1; i < imu_.size(); ++i) {
+    const ImuSample &a = imu_[i - 1], &b = imu_[i];
+    if (a.t < t0 || b.t > t1) continue;
+    sum.add(a.w_B, a.f_B, b.w_B, b.f_B, to_seconds(b.t - a.t), noise_);
+  }
+  return sum;
+}
+
+bool Starter::solve_gyro_bias(Vec3& b_g) const {
+  b_g.setZero();
+  for (int iteration = 0; iteration < 2; ++iteration) {
+    Mat3 H = Mat3::Identity() * 1e-6;
+    Vec3 g = Vec3::Zero();
+    for (size_t k = 1; k < frames_.size(); ++k) {
+      if (!frames_[k].keyframe) continue;
+      const Preintegration motion = integrate(frames_[0].t, frames_[k].t, b_g);
+      const Vec3 r = so3_log(motion.dR.transpose() * frames_[k].T_B0B.R);
+      H += motion.dR_dbg.transpose() * motion.dR_dbg;
+      g += motion.dR_dbg.transpose() * r;
+    }
+    b_g += H.inverse() * g;
+  }
+  return b_g.norm() < 0.5;
+}
+
+// p_k = v0 t + g t^2 / 2 + dp_k for all frames, linear in v0 and g; then g on its sphere.
+bool Starter::solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const {
+  Mat6 H = Mat6::Zero();
+  Vec6 rhs = Vec6::Zero();
+  const auto row = [&](size_t k, Eigen::Matrix<double, 3, 6>& A, Vec3& y) {
+    const Preintegration motion = integrate(frames_[0].t, frames_[k].t, b_g);
+    A.leftCols<3>() = Mat3::Identity() * motion.dt_s;
+    A.rightCols<3>() = Mat3::Identity() * (0.5 * motion.dt_s * motion.dt_s);
+    y = frames_[k].T_B0B.p - motion.dp;
+  };
+  Eigen::Matrix<double, 3, 6> A;
+  Vec3 y;
+  for (size_t k = 1; k < frames_.size(); ++k) {
+    row(k, A, y);
+    H += A.transpose() * A;
+    rhs += A.transpose() * y;
+  }
+  Vec6 x = H.ldlt().solve(rhs);
+  if (!x.allFinite() || std::fabs(x.tail<3>().norm() - kGravity_m_s2) > kGravityTolerance) {
+    return false;
+  }
+  for (int iteration = 0; iteration < 4; ++iteration) {
+    const Vec3 g = x.tail<3>().normalized() * kGravity_m_s2;
+    Mat3 basis;  // columns 0, 1 span the tangent plane of the sphere at g
+    basis.col(0) = g.unitOrthogonal();
+    basis.col(1) = g.normalized().cross(basis.col(0));
+    Eigen::Matrix<double, 6, 5> N = Eigen::Matrix<double, 6, 5>::Zero();
+    N.topLeftCorner<3, 3>().setIdentity();
+    N.bottomRightCorner<3, 2>() = basis.leftCols<2>();
+    Vec6 x0 = Vec6::Zero();
+    x0.tail<3>() = g;
+    const Eigen::Matrix<double, 5, 5> M = N.transpose() * H * N;
+    x = x0 + N * M.ldlt().solve(N.transpose() * (rhs - H * x0));
+  }
+  v_B0 = x.head<3>();
+  g_B0 = x.tail<3>().normalized() * kGravity_m_s2;
+  double squares = 0;
+  for (size_t k = 1; k < frames_.size(); ++k) {
+    row(k, A, y);
+    Vec6 solution;
+    solution << v_B0, g_B0;
+    squares += (A * solution - y).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(frames_.size() - 1)) < kFitTolerance_m;
+}
+
+Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) {
+  Vec3 b_g, g_B0, v_B0 = Vec3::Zero();
+  at_rest_ = standstill.at_rest();
+  if (at_rest_) {
+    b_g = standstill.mean_rate_B();
+    g_B0 = -(R_B0B_ * standstill.mean_force_B()).normalized() * kGravity_m_s2;
+  } else if (!solve_gyro_bias(b_g) || !solve_gravity(b_g, g_B0, v_B0)) {
+    return Status::kStale;
+  }
+  const Mat3 R_WB0 = upright(g_B0, origin.R);
+  const Vec3 g_W(0, 0, -kGravity_m_s2);
+  for (KeyframeMessage& message : keyframes_) {
+    const auto* frame = std::find_if(frames_.begin(), frames_.end(), [&](const Frame& f) {
+      return f.t == message.state.t;
+    });
+    const Preintegration motion = integrate(frames_[0].t, frame->t, b_g);
+    message.state.T_WB.R = R_WB0 * frame->T_B0B.R;
+    message.state.T_WB.p = origin.p + R_WB0 * frame->T_B0B.p;
+    message.state.v_WB = R_WB0 * (v_B0 + (at_rest_ ? Vec3::Zero() : motion.dv)) +
+                         (at_rest_ ? Vec3::Zero() : Vec3(g_W * motion.dt_s));
+    message.state.b_g = b_g;
+    message.state.b_a.setZero();
+  }
+  for (size_t i = 1; i < keyframes_.size(); ++i) {
+    keyframes_[i].from_previous =
+        integrate(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
+    keyframes_[i].linked = true;
+  }
+  for (KeyframeMessage& message : keyframes_) message.adjust = false;
+  keyframes_[0].restart = true;
+  keyframes_[0].linked = false;
+  keyframes_.back().adjust = true;
+  state_ = keyframes_.back().state;
+  cov_ = start_cov(at_rest_);
+  return Status::kOk;
+}
+
+}  // namespace pirvs
