@@ -5,7 +5,8 @@
 //         so3_exp(a + d) = so3_exp(a) so3_exp(right_jacobian(a) d) + O(d^2).
 // Frames  R_AB takes B coordinates to A; quaternions are x y z w of the same map, w >= 0.
 // Errors  none; a zero quaternion is a bug and asserts.
-// Cost    About 10 to 40 ns each, x86-64; series for small angles, so no loss of digits at zero.
+// Cost    so3_exp 14 ns below 0.2 rad (series: no loss of digits at zero), 24 ns above; so3_log
+//         28 ns: x86-64 at 2.1 GHz (make bench K=so3).
 // Source  Forster et al., "On-Manifold Preintegration", TRO 2017, eq. (3), (8), (9);
 //         Shepperd, "Quaternion from Rotation Matrix", 1978.
 #pragma once
