@@ -29,8 +29,36 @@ inline int32x4_t add_products(int32x4_t sums, int16x8_t a, int16x8_t b) {
 #endif
 }
 
-// The low and high eight bytes of a, widened to 16 bits.
-inline uint16x8_t widen_low(uint8x16_t a) { return vmovl_u8(vget_low_u8(a)); }
-inline uint16x8_t widen_high(uint8x16_t a) { return vmovl_high_u8(a); }
+// a * b - c * d, for lanes 0..3 and 4..7. c, d > -32768 and the difference must fit int32.
+inline int32x4_t products_difference_low(int16x8_t a, int16x8_t b, int16x8_t c, int16x8_t d) {
+#if defined(__SSE2__)
+  const __m128i minus_d = _mm_sub_epi16(_mm_setzero_si128(), simde_int16x8_to_m128i(d));
+  return simde_int32x4_from_m128i(
+      _mm_madd_epi16(_mm_unpacklo_epi16(simde_int16x8_to_m128i(a), simde_int16x8_to_m128i(c)),
+                     _mm_unpacklo_epi16(simde_int16x8_to_m128i(b), minus_d)));
+#else
+  return vmlsl_s16(vmull_s16(vget_low_s16(a), vget_low_s16(b)), vget_low_s16(c), vget_low_s16(d));
+#endif
+}
+inline int32x4_t products_difference_high(int16x8_t a, int16x8_t b, int16x8_t c, int16x8_t d) {
+#if defined(__SSE2__)
+  const __m128i minus_d = _mm_sub_epi16(_mm_setzero_si128(), simde_int16x8_to_m128i(d));
+  return simde_int32x4_from_m128i(
+      _mm_madd_epi16(_mm_unpackhi_epi16(simde_int16x8_to_m128i(a), simde_int16x8_to_m128i(c)),
+                     _mm_unpackhi_epi16(simde_int16x8_to_m128i(b), minus_d)));
+#else
+  return vmlsl_high_s16(vmull_high_s16(a, b), c, d);
+#endif
+}
+
+// True if any bit is set.
+inline bool any(uint32x4_t mask) {
+#if defined(__SSE4_1__)
+  const __m128i bits = simde_uint32x4_to_m128i(mask);
+  return _mm_testz_si128(bits, bits) == 0;
+#else
+  return vmaxvq_u32(mask) != 0;
+#endif
+}
 
 }  // namespace pirvs::neon
