@@ -1,0 +1,187 @@
+# PIRVS: every command of the project. `make` alone lists them.
+#
+# A source belongs to one of five sets by its place and name alone; nothing is listed by hand:
+#   library   *.cc below core, modules, bsp/linux, bsp/replay, board/$(BOARD)
+#   tools     *.cc below tools; the file with main() becomes build/host/pirvs
+#   tests     *_test.cc beside its source: address and UB sanitizers on
+#   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
+#   benches   *_bench.cc: Google Benchmark
+SHELL := /bin/bash
+.SHELLFLAGS := -eu -o pipefail -c
+.DELETE_ON_ERROR:
+.SECONDARY:
+MAKEFLAGS += --no-builtin-rules -j$(shell nproc)
+
+BOARD ?= host
+BUILD ?= build
+OUT := $(BUILD)/$(BOARD)
+OUT_ASAN := $(BUILD)/$(BOARD)-asan
+ifneq ($(BOARD),host)
+  $(error BOARD=$(BOARD) cannot be built yet; boards: host)
+endif
+
+# ---- sources -----------------------------------------------------------------------------------
+# find_cc(folders): every *.cc below those of the folders that exist.
+find_cc = $(if $(wildcard $(1)),$(sort $(shell find $(wildcard $(1)) -name '*.cc' -not -name '.*')))
+
+ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay board/$(BOARD))
+ALL_TOOLS := $(call find_cc,tools)
+ALL_SYSTEMS := $(call find_cc,tests)
+EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS)
+
+BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
+TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS))
+SYSTEM_SRC := $(filter-out $(BENCH_SRC),$(ALL_SYSTEMS))
+LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
+TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
+MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
+TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
+
+# ---- flags -------------------------------------------------------------------------------------
+# COMMON goes into every object, tests and tools too: inline functions of Eigen and core must be the
+# same code wherever the linker takes them from, or results would depend on the order of objects.
+#   -ffp-contract=off, EIGEN_DONT_VECTORIZE   the same bits on x86-64 and AArch64
+#   EIGEN_STACK_ALLOCATION_LIMIT              Eigen never calls malloc for a temporary
+COMMON := -std=c++17 -march=native -ffp-contract=off -fno-math-errno -Wall -Wextra \
+  -DEIGEN_DONT_VECTORIZE -DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul -DEIGEN_NO_IO \
+  -I. -isystem /usr/include/eigen3 -ffile-prefix-map=$(CURDIR)/=
+RELEASE := -O3 -g1
+SANITIZE := -O1 -g -fno-omit-frame-pointer -fsanitize=address,undefined -fno-sanitize-recover=all
+
+BELOW_TOOLS := -fno-exceptions -fno-rtti
+TOOLS := -isystem /usr/include/opencv4
+
+LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lpthread
+LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS)
+LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
+
+# ---- commands ----------------------------------------------------------------------------------
+.DEFAULT_GOAL := help
+.PHONY: help all run test test-unit test-system bench check format setup clean FORCE
+
+help: ## this list
+	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
+	@grep -hE '^[a-z-]+:.*## ' $(firstword $(MAKEFILE_LIST)) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' \
+	  | expand -t 22
+	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test), K=name (bench)"
+
+all: $(OUT)/pirvs ## build the program, build/host/pirvs
+
+SIM := $(BUILD)/run/sim
+SEQ ?= $(SIM)
+run: $(OUT)/pirvs $(if $(filter $(SIM),$(SEQ)),$(SIM).done) ## SLAM on a simulated recording, or SEQ=path to an ASL/EuRoC folder
+	@mkdir -p $(BUILD)/run
+	@echo "$(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS)"
+	@status=0; $(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS) || status=$$?; \
+	  [ ! -e $(BUILD)/run/report.html ] || echo "report: $(CURDIR)/$(BUILD)/run/report.html"; \
+	  exit $$status
+
+# The stamp is written last, so an interrupted simulation is done again.
+$(SIM).done: | $(OUT)/pirvs
+	@rm -rf $(SIM) && mkdir -p $(dir $(SIM))
+	$(OUT)/pirvs sim --out $(SIM)
+	@touch $@
+
+# T=name runs the tests whose full name (suite.test) contains it. Results for machines are left in
+# build/test/*.json. Unit and system tests run one after the other: timings stay comparable.
+GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
+test: test-unit test-system ## every test; T=name those whose name contains it
+
+test-unit: $(OUT)/tests ## unit tests alone, sanitizers on
+	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/unit.json
+	UBSAN_OPTIONS=print_stacktrace=1 \
+	  $(OUT)/tests --gtest_brief=1 --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
+
+test-system: $(OUT)/system_tests $(if $(filter test,$(MAKECMDGOALS)),test-unit) ## whole-system replays alone
+	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
+	$(OUT)/system_tests --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+
+bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
+	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
+
+check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, tidy, layers, no-heap symbols, function length
+	@tools/check/run --build $(BUILD) --objects $(OUT)/obj
+
+format: $(BUILD)/setup.stamp ## rewrite every source with clang-format
+	@git ls-files -z --cached --others --exclude-standard '*.h' '*.cc' | xargs -0r clang-format -i
+
+setup: ## install the packages of tools/setup/packages.txt that are missing
+	@tools/setup/install
+	@mkdir -p $(BUILD) && touch $(BUILD)/setup.stamp
+
+clean: ## delete build/
+	rm -rf $(BUILD)
+
+$(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
+	@tools/setup/install
+	@mkdir -p $(BUILD) && touch $@
+
+# ---- build -------------------------------------------------------------------------------------
+# objects(tree, sources)
+objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
+
+LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
+LIB_OBJ_ASAN := $(call objects,$(OUT_ASAN),$(LIB_SRC))
+TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
+TOOL_OBJ_ASAN := $(call objects,$(OUT_ASAN),$(TOOL_SRC_NO_MAIN))
+MAIN_OBJ := $(call objects,$(OUT),$(MAIN_SRC))
+TEST_OBJ := $(call objects,$(OUT_ASAN),$(TEST_SRC))
+SYSTEM_OBJ := $(call objects,$(OUT),$(SYSTEM_SRC))
+BENCH_OBJ := $(call objects,$(OUT),$(BENCH_SRC))
+
+$(LIB_OBJ) $(LIB_OBJ_ASAN): KIND := $(BELOW_TOOLS)
+$(TOOL_OBJ) $(TOOL_OBJ_ASAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ): KIND := $(TOOLS)
+
+# An object appears whole or not at all ($$$$ is the shell's pid): two makes may share one build/.
+define compile
+@mkdir -p $(@D)
+@echo "c++ $<$(if $(filter $(OUT_ASAN)/%,$@), (sanitized))"
+@trap 'rm -f $@.$$$$' EXIT; \
+  $(CXX) $(COMMON) $(1) $(KIND) -MMD -MP -MF $@.$$$$.d -MT $@ -c $< -o $@.$$$$ \
+  || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
+endef
+$(OUT)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
+	$(call compile,$(RELEASE))
+$(OUT_ASAN)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
+	$(call compile,$(SANITIZE))
+
+# The list changes only when a source comes or goes; then everything is linked again.
+$(BUILD)/sources.list: FORCE
+	@mkdir -p $(@D)
+	@echo "$(EVERYTHING)" | cmp -s - $@ || echo "$(EVERYTHING)" > $@
+
+define archive
+@rm -f $@.$$$$ && ar rcsD $@.$$$$ $(filter %.o,$^) && mv $@.$$$$ $@
+endef
+$(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	$(archive)
+$(OUT_ASAN)/libpirvs.a: $(LIB_OBJ_ASAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	$(archive)
+$(OUT)/libtools.a: $(TOOL_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	$(archive)
+$(OUT_ASAN)/libtools.a: $(TOOL_OBJ_ASAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	$(archive)
+
+define link
+@mkdir -p $(@D)
+@echo "link $@"
+@$(CXX) $(1) $(filter %.o,$^) $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
+endef
+$(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
+	$(call link,$(RELEASE),$(LIBS_TOOLS))
+$(OUT)/tests: $(TEST_OBJ) $(OUT_ASAN)/libtools.a $(OUT_ASAN)/libpirvs.a
+	$(call link,$(SANITIZE),$(LIBS_TEST))
+$(OUT)/system_tests: $(SYSTEM_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
+	$(call link,$(RELEASE),$(LIBS_TEST))
+$(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
+	$(call link,$(RELEASE),$(LIBS_BENCH))
+
+ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_ASAN) $(TOOL_OBJ) $(TOOL_OBJ_ASAN) $(MAIN_OBJ) \
+  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ))
+endif
