@@ -22,5 +22,6 @@ struct Command {
 
 // One per command, defined beside its code; main.cc lists them in the order of the help.
 extern const Command kEvalCommand;
+extern const Command kSimCommand;
 
 }  // namespace pirvs::tools

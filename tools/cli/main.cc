@@ -11,7 +11,7 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kEvalCommand};
+const Command* const kCommands[] = {&kEvalCommand, &kSimCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

@@ -132,7 +132,7 @@ void Player::decode_all() {
 
 void Player::decode_frame(const FrameFiles& files, Slot& slot) {
   slot.frame = StereoFrame{};
-  slot.frame.t = files.t + recording_.calibration.camera_time_offset;
+  slot.frame.t = files.t;
   for (int c = 0; c < recording_.calibration.cameras; ++c) {
     if (files.image[c].empty()) continue;
     const Read result = decode_image(files.image[c], c, slot.pixels[c]);

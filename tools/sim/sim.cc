@@ -1,0 +1,251 @@
+#include "tools/sim/sim.h"
+
+#include <atomic>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <opencv2/imgcodecs.hpp>
+#include <thread>
+#include <vector>
+
+#include "tools/dataset/input_error.h"
+#include "tools/sim/random.h"
+#include "tools/sim/render.h"
+
+namespace pirvs::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr TimeNs kBegin = 1'600'000'000'000'000'000;
+constexpr double kFirstFrame_s = 0.1;  // some IMU samples come first
+constexpr double kLastFrame_s = 0.05;  // and some last
+
+struct Job {
+  const SimOptions& options;
+  Device device;
+  Path path;
+  Scene scene;
+  std::vector<double> frame_s;
+};
+
+class Text {
+ public:
+  explicit Text(const std::string& path) : file_(std::fopen(path.c_str(), "wb")) {
+    if (!file_) throw InputError("cannot write", path, "check the folder given with --out");
+  }
+  ~Text() { std::fclose(file_); }
+  Text(const Text&) = delete;
+  Text& operator=(const Text&) = delete;
+
+  template <class... Args>
+  void print(const char* format, Args... args) {
+    std::fprintf(file_, format, args...);
+  }
+
+ private:
+  std::FILE* file_;
+};
+
+using ll = long long;
+
+TimeNs stamp(double t_s) { return kBegin + from_seconds(t_s); }
+
+std::string image_name(const Job& job, size_t frame) {
+  return std::to_string(stamp(job.frame_s[frame])) + "." + job.options.format;
+}
+
+Device make_device(const SimOptions& options) {
+  const Device* const found = find_device(options.device);
+  if (!found) {
+    throw InputError("unknown device '" + options.device + "'", "--camera",
+                     "use euroc or ironsides");
+  }
+  Device device = *found;
+  if (options.rate_hz > 0) device.camera_rate_hz = options.rate_hz;
+  ImuNoise& noise = device.calibration.imu;
+  if (options.gyro_noise >= 0) noise.gyro_noise = options.gyro_noise;
+  if (options.gyro_walk >= 0) noise.gyro_walk = options.gyro_walk;
+  if (options.accel_noise >= 0) noise.accel_noise = options.accel_noise;
+  if (options.accel_walk >= 0) noise.accel_walk = options.accel_walk;
+  return device;
+}
+
+Path make_path(const SimOptions& options, const Device& device) {
+  if (options.path != "spline") {
+    return Path::along(read_trajectory(options.path), options.duration_s);
+  }
+  return Path::flight(options.seed, options.rest_s, options.duration_s, device.R_LB);
+}
+
+void write_transform(Text& file, const SE3& T) {
+  file.print("T_BS:\n  cols: 4\n  rows: 4\n  data: [");
+  for (int i = 0; i < 3; ++i) {
+    file.print("%.15g, %.15g, %.15g, %.15g,\n         ", T.R(i, 0), T.R(i, 1), T.R(i, 2), T.p[i]);
+  }
+  file.print("0.0, 0.0, 0.0, 1.0]\n");
+}
+
+void write_camera(const Job& job, int c) {
+  const std::string folder = job.options.out + "/mav0/cam" + std::to_string(c);
+  const Camera& camera = job.device.calibration.camera[c];
+  Text sensor(folder + "/sensor.yaml");
+  sensor.print("sensor_type: camera\ncomment: simulated %s cam%d\n", job.device.name, c);
+  write_transform(sensor, camera.T_BC);
+  sensor.print("rate_hz: %g\nresolution: [%d, %d]\ncamera_model: pinhole\n",
+               job.device.camera_rate_hz, camera.width, camera.height);
+  sensor.print("intrinsics: [%.9g, %.9g, %.9g, %.9g]\n", camera.fx, camera.fy, camera.cx,
+               camera.cy);
+  const bool radtan = camera.model == CameraModel::kPinholeRadtan;
+  sensor.print("distortion_model: %s\n", radtan ? "radial-tangential" : "equidistant");
+  sensor.print("distortion_coefficients: [%.12g, %.12g, %.12g, %.12g]\n", camera.d[0], camera.d[1],
+               camera.d[2], camera.d[3]);
+  Text list(folder + "/data.csv");
+  list.print("#timestamp [ns],filename\n");
+  for (size_t i = 0; i < job.frame_s.size(); ++i) {
+    list.print("%lld,%s\n", ll(stamp(job.frame_s[i])), image_name(job, i).c_str());
+  }
+}
+
+void write_imu(const Job& job) {
+  const std::string mav0 = job.options.out + "/mav0";
+  const ImuModel model{job.device.calibration.imu, job.options.gyro_bias_rad_s,
+                       job.options.accel_bias_m_s2};
+  Text sensor(mav0 + "/imu0/sensor.yaml");
+  sensor.print("sensor_type: imu\ncomment: simulated %s IMU\n", job.device.name);
+  write_transform(sensor, SE3{});
+  // A recording without noise still needs densities above zero to be estimated with.
+  const auto density = [](double value, double least) { return std::max(value, least); };
+  sensor.print("rate_hz: %g\n", model.noise.rate_hz);
+  sensor.print("gyroscope_noise_density: %.6g\n", density(model.noise.gyro_noise, 1e-5));
+  sensor.print("gyroscope_random_walk: %.6g\n", density(model.noise.gyro_walk, 1e-6));
+  sensor.print("accelerometer_noise_density: %.6g\n", density(model.noise.accel_noise, 1e-4));
+  sensor.print("accelerometer_random_walk: %.6g\n", density(model.noise.accel_walk, 1e-5));
+  Text samples(mav0 + "/imu0/data.csv");
+  samples.print("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],");
+  samples.print("a_RS_S_y,a_RS_S_z\n");
+  Text truth(mav0 + "/state_groundtruth_estimate0/data.csv");
+  truth.print("#timestamp [ns],p_RS_R_x [m],p_RS_R_y,p_RS_R_z,q_RS_w [],q_RS_x,q_RS_y,q_RS_z,");
+  truth.print("v_RS_R_x [m s^-1],v_RS_R_y,v_RS_R_z,b_w_RS_S_x [rad s^-1],b_w_RS_S_y,");
+  truth.print("b_w_RS_S_z,b_a_RS_S_x [m s^-2],b_a_RS_S_y,b_a_RS_S_z\n");
+  for (const SimulatedImu& imu : simulate_imu(job.path, model, kBegin, job.options.seed)) {
+    const auto triple = [](Text& file, const Vec3& v) {
+      file.print(",%.9f,%.9f,%.9f", v.x(), v.y(), v.z());
+    };
+    samples.print("%lld", ll(imu.sample.t));
+    triple(samples, imu.sample.w_B);
+    triple(samples, imu.sample.f_B);
+    samples.print("\n");
+    const Vec4& q = imu.truth.q_WB;
+    truth.print("%lld", ll(imu.sample.t));
+    triple(truth, imu.truth.p_WB);
+    truth.print(",%.9f,%.9f,%.9f,%.9f", q[3], q[0], q[1], q[2]);
+    triple(truth, imu.truth.v_WB);
+    triple(truth, imu.b_g);
+    triple(truth, imu.b_a);
+    truth.print("\n");
+  }
+}
+
+Exposure exposure_of(const Job& job, size_t frame, int camera) {
+  const SimOptions& o = job.options;
+  const double t_s = job.frame_s[frame];
+  Exposure exposure;
+  exposure.t_s = t_s;
+  exposure.length_s = o.blur > 1 ? o.exposure_ms * 1e-3 : 0;
+  exposure.sub_images_max = o.blur;
+  exposure.gain = 1 + o.exposure_change * (0.67 * std::sin(2.1 * t_s) + 0.33 * std::sin(7.3 * t_s));
+  if (camera == 1) exposure.gain *= 1.04;  // no two sensors are alike
+  const double dark_until_s = o.dark_for_s > 0 ? o.dark_from_s + o.dark_for_s : 1e9;
+  if (t_s >= o.dark_from_s && t_s < dark_until_s) exposure.gain *= 1 - o.dark;
+  exposure.noise_grey = o.image_noise;
+  exposure.noise_stream = mix64(o.seed) + 2 * frame + uint64_t(camera);
+  return exposure;
+}
+
+void write_image(const std::string& path, const Camera& camera, std::vector<uint8_t>& pixels) {
+  const cv::Mat image(camera.height, camera.width, CV_8UC1, pixels.data());
+  const std::vector<int> how = {cv::IMWRITE_PNG_COMPRESSION, 1, cv::IMWRITE_JPEG_QUALITY, 95};
+  bool written = false;
+  try {
+    written = cv::imwrite(path, image, how);
+  } catch (const cv::Exception&) {
+  }
+  if (!written) throw InputError("cannot write the image", path, "check space and --format");
+}
+
+void draw_frames(const Job& job, std::atomic<size_t>& next, const std::function<void()>& done) {
+  std::unique_ptr<Renderer> renderer[2];
+  for (int c = 0; c < 2; ++c) {
+    const Camera& camera = job.device.calibration.camera[c];
+    renderer[c] = std::make_unique<Renderer>(camera, job.scene, job.path);
+  }
+  std::vector<uint8_t> pixels;
+  for (size_t i = next++; i < job.frame_s.size(); i = next++) {
+    for (int c = 0; c < 2; ++c) {
+      renderer[c]->render(exposure_of(job, i, c), pixels);
+      const std::string folder = job.options.out + "/mav0/cam" + std::to_string(c) + "/data/";
+      write_image(folder + image_name(job, i), job.device.calibration.camera[c], pixels);
+    }
+    done();
+  }
+}
+
+void draw_all(const Job& job, const SimProgress& progress) {
+  std::atomic<size_t> next{0};
+  std::mutex mutex;
+  size_t count = 0;
+  std::exception_ptr failure;
+  const auto done = [&] {
+    const std::lock_guard<std::mutex> lock(mutex);
+    progress(++count, job.frame_s.size());
+  };
+  std::vector<std::thread> threads;
+  for (int k = 0; k < job.options.threads; ++k) {
+    threads.emplace_back([&] {
+      try {
+        draw_frames(job, next, done);
+      } catch (...) {
+        const std::lock_guard<std::mutex> lock(mutex);
+        failure = std::current_exception();
+        next = job.frame_s.size();
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+}
+
+void make_folders(const std::string& out) {
+  for (const char* folder : {"cam0/data", "cam1/data", "imu0", "state_groundtruth_estimate0"}) {
+    const std::string path = out + "/mav0/" + folder;
+    std::error_code error;
+    fs::create_directories(path, error);
+    if (error) throw InputError("cannot make the folder", path, "choose another --out");
+  }
+}
+
+}  // namespace
+
+void simulate(const SimOptions& options, const SimProgress& progress) {
+  const Device device = make_device(options);
+  Path path = make_path(options, device);
+  Scene scene(path, options.seed, options.boxes, options.movers);
+  Job job{options, device, std::move(path), std::move(scene), {}};
+  const double end_s = job.path.duration_s() - kLastFrame_s;
+  for (size_t i = 0;; ++i) {
+    const double t_s = kFirstFrame_s + double(i) / device.camera_rate_hz;
+    if (t_s > end_s) break;
+    job.frame_s.push_back(t_s);
+  }
+  if (job.frame_s.empty()) throw InputError("no frame fits", "--duration", "make it longer");
+  make_folders(options.out);
+  write_camera(job, 0);
+  write_camera(job, 1);
+  write_imu(job);
+  draw_all(job, progress);
+}
+
+}  // namespace pirvs::tools

@@ -1,0 +1,96 @@
+// `pirvs sim --out SEQ`: makes a recording with exact ground truth.
+#include <cstdio>
+#include <memory>
+
+#include "tools/cli/command.h"
+#include "tools/cli/progress.h"
+#include "tools/sim/sim.h"
+
+namespace pirvs::tools {
+namespace {
+
+void declare_world(CLI::App& app, SimOptions& o) {
+  app.add_option("--out", o.out, "folder to write, ASL/EuRoC layout")->required();
+  app.add_option("--camera", o.device,
+                 "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye")
+      ->capture_default_str();
+  app.add_option("--path", o.path, "'spline', or a ground-truth file (ASL csv, TUM) to fly along")
+      ->capture_default_str();
+  app.add_option("--duration", o.duration_s, "seconds; with a file: at most")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--rest", o.rest_s, "seconds at rest before a spline flight")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--rate", o.rate_hz, "camera frames per second (default: the device's)")
+      ->check(CLI::Range(1.0, 500.0));
+  app.add_option("--seed", o.seed, "same seed, same bytes")->capture_default_str();
+  app.add_option("--boxes", o.boxes, "boxes in the hall")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 500));
+  app.add_option("--movers", o.movers, "how many of them move")
+      ->capture_default_str()
+      ->check(CLI::Range(0, 500));
+  app.add_option("--threads", o.threads, "threads that draw")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  app.add_option("--format", o.format, "png or jpg")
+      ->capture_default_str()
+      ->check(CLI::IsMember({"png", "jpg"}));
+}
+
+void declare_imu(CLI::App& app, SimOptions& o) {
+  app.add_option("--gyro-noise", o.gyro_noise, "rad/s/sqrt(Hz) (default: the device's)");
+  app.add_option("--gyro-walk", o.gyro_walk, "rad/s^2/sqrt(Hz)");
+  app.add_option("--accel-noise", o.accel_noise, "m/s^2/sqrt(Hz)");
+  app.add_option("--accel-walk", o.accel_walk, "m/s^3/sqrt(Hz)");
+  app.add_option("--gyro-bias", o.gyro_bias_rad_s, "sigma of the bias at the start, rad/s")
+      ->capture_default_str();
+  app.add_option("--accel-bias", o.accel_bias_m_s2, "sigma of the bias at the start, m/s^2")
+      ->capture_default_str();
+}
+
+void declare_image(CLI::App& app, SimOptions& o) {
+  app.add_option("--exposure", o.exposure_ms, "shutter time, ms")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 100.0));
+  app.add_option("--blur", o.blur, "sub-images per exposure at most; 1: no motion blur")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 64));
+  app.add_option("--noise", o.image_noise, "image noise, grey values at mid grey")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--exposure-change", o.exposure_change, "relative change of brightness over time")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--dark", o.dark, "share of the light taken away")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_option("--dark-from", o.dark_from_s, "when it gets dark, s")->capture_default_str();
+  app.add_option("--dark-for", o.dark_for_s, "for how long, s; 0: to the end")
+      ->capture_default_str();
+}
+
+std::function<int()> declare(CLI::App& app) {
+  const auto options = std::make_shared<SimOptions>();
+  declare_world(app, *options);
+  declare_imu(app, *options);
+  declare_image(app, *options);
+  return [options] {
+    {
+      std::unique_ptr<Progress> bar;
+      simulate(*options, [&bar](size_t done, size_t total) {
+        if (!bar) bar = std::make_unique<Progress>("simulating", total);
+        bar->update(done);
+      });
+    }
+    std::printf("simulated recording: %s\n", options->out.c_str());
+    return kExitDone;
+  };
+}
+
+}  // namespace
+
+const Command kSimCommand = {"sim", "Make a simulated recording with exact ground truth", declare};
+
+}  // namespace pirvs::tools
