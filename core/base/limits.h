@@ -1,10 +1,16 @@
-// The limits that every part of the stack shares; a board asserts that its sensors fit.
+// The largest sensor set that the static memory is laid out for; a board states its own and asserts
+// that it fits.
+// In, Out nothing: constants.
+// Frames  none.
+// Errors  none; what exceeds a limit is rejected where it enters (calibration, sensor door).
+// Cost    Image pools grow with width x height x cameras.
+// Source  DESIGN: EuRoC 752 x 480 stereo; the device 640 x 480 stereo.
 #pragma once
 
 namespace pirvs {
 
+inline constexpr int kImageWidthMax = 752;
+inline constexpr int kImageHeightMax = 480;
 inline constexpr int kCamerasMax = 2;
-inline constexpr int kImageWidthMax = 752;   // EuRoC's MT9V034; the device's OV7251 has 640
-inline constexpr int kImageHeightMax = 480;  // both
 
 }  // namespace pirvs
