@@ -170,7 +170,7 @@ void Frontend::detect(const Vec3& gravity_C) {
     Corner corner;
     if (corner_best(image, margin + b % columns * bin, margin + b / columns * bin, bin, bin,
                     params_.corner_response_min, corner)) {
-      found.push_back(corner);
+      (void)found.push_back(corner);  // one a bin: never full
     } else {
       bin_wait_[b] = static_cast<uint8_t>(params_.bin_wait_frames);
     }

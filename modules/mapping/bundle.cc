@@ -28,7 +28,7 @@ void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingPa
   points_.clear();
   observations_.clear();
   links_.clear();
-  prior_.frame = -1;
+  prior_frame_ = -1;
   unknowns_ = 0;
   iteration_ = accepted_ = 0;
   lambda_ = 1e-4;
@@ -59,8 +59,14 @@ void Bundle::link(int from, int to, const Preintegration& motion) {
   PIRVS_ASSERT(added);  // one per free frame
 }
 
-void Bundle::set_prior(int frame, const Mat15& information) {
-  prior_ = {frame, frames_[static_cast<size_t>(frame)].state, information};
+void Bundle::set_prior(int frame, const WindowPrior& prior) {
+  prior_frame_ = frame;
+  prior_ = prior;
+}
+
+double Bundle::prior_cost(const BodyState& state) const {
+  const Vec15 e = boxminus(state, prior_.mean);
+  return e.dot(prior_.information * e - 2.0 * prior_.gradient);
 }
 
 int Bundle::add_point(const Vec3& p_W) {
@@ -228,12 +234,12 @@ void Bundle::linearize_links() {
     for (int i = 0; i < 15; ++i) b_[b.unknown + i] -= g[i];
     add(b.unknown, b.unknown, J_b.transpose() * WJ_b);
   }
-  if (prior_.frame >= 0) {
-    const Frame& frame = frames_[static_cast<size_t>(prior_.frame)];
-    const Vec15 r = boxminus(frame.state, prior_.state);
-    const Vec15 Wr = prior_.information * r;
-    cost_trial_ += r.dot(Wr);
-    for (int i = 0; i < 15; ++i) b_[frame.unknown + i] -= Wr[i];
+  if (prior_frame_ >= 0) {
+    const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
+    const Vec15 g =
+        prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean);
+    cost_trial_ += prior_cost(frame.state);
+    for (int i = 0; i < 15; ++i) b_[frame.unknown + i] += g[i];
     add(frame.unknown, frame.unknown, prior_.information);
   }
 }
@@ -299,10 +305,7 @@ double Bundle::evaluate_links() const {
                                   frames_[static_cast<size_t>(link.to)].trial);
     cost += r.dot(weigh(link, r));
   }
-  if (prior_.frame >= 0) {
-    const Vec15 r = boxminus(frames_[static_cast<size_t>(prior_.frame)].trial, prior_.state);
-    cost += r.dot(prior_.information * r);
-  }
+  if (prior_frame_ >= 0) cost += prior_cost(frames_[static_cast<size_t>(prior_frame_)].trial);
   return cost;
 }
 

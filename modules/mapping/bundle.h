@@ -14,6 +14,7 @@
 #include "modules/map/map.h"
 #include "modules/mapping/imu_link.h"
 #include "modules/mapping/mapping_params.h"
+#include "modules/mapping/window_prior.h"
 
 namespace pirvs {
 
@@ -29,7 +30,7 @@ class Bundle {
   void begin(const Camera* cameras, const ImuNoise& noise, const MappingParams& params);
   int add_frame(const BodyState& state, bool fixed);  // index, or -1; free ones in order of time
   void link(int from, int to, const Preintegration& motion);
-  void set_prior(int frame, const Mat15& information);  // around the frame's state now
+  void set_prior(int frame, const WindowPrior& prior);
   int add_point(const Vec3& p_W);                       // index, or -1
   bool add_observation(int point, int frame, int camera, const Vec2& uv);  // to the newest point
 
@@ -71,11 +72,6 @@ class Bundle {
     int unknown;
     Mat63 W;  // J_pose' J_point, weighted
   };
-  struct Prior {
-    int frame = -1;
-    BodyState state;
-    Mat15 information;
-  };
   enum class Phase : uint8_t { kLinearize, kSolve, kEvaluate, kDone };
 
   void place_cameras(Frame& frame, const BodyState& state) const;
@@ -87,6 +83,7 @@ class Bundle {
   void apply(const double* delta);
   double evaluate_point(const Point& point) const;
   double evaluate_links() const;
+  double prior_cost(const BodyState& state) const;
   double robust_cost(double squares) const;
   void judge();
   double* row(int i) { return S_ + static_cast<size_t>(i) * kUnknownsMax; }
@@ -99,7 +96,8 @@ class Bundle {
   FixedVector<Observation2, kObservationsMax> observations_;
   FixedVector<Share, kSharesMax> shares_;
   FixedVector<ImuLink, kFreeMax + 1> links_;
-  Prior prior_;
+  WindowPrior prior_;
+  int prior_frame_ = -1;
   int unknowns_ = 0;
 
   Phase phase_ = Phase::kLinearize;

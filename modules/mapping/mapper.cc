@@ -82,6 +82,7 @@ void Mapper::insert(const KeyframeMessage& message) {
   if (message.restart) {
     if (!order_.empty()) ++counters_.restarts;
     forget_all();
+    prior_ = WindowPrior{};
   }
   if (order_.full()) remove_keyframe(0);
   const Result<KeyframeId> id = map_.keyframes.acquire();
@@ -97,7 +98,8 @@ void Mapper::insert(const KeyframeMessage& message) {
   for (int c = 0; c < kCamerasMax; ++c) {
     fresh.observations[c] = message.observations[c];
     for (Observation& sighting : fresh.observations[c]) {
-      const LandmarkId landmark_id = sighting.landmark;
+      const LandmarkId landmark_id =
+          sighting.landmark.valid() ? sighting.landmark : landmark_of_track(c, sighting.track);
       sighting.landmark = LandmarkId{};
       Landmark* landmark = map_.landmarks.find(landmark_id);
       if (landmark == nullptr) continue;
@@ -113,6 +115,15 @@ void Mapper::insert(const KeyframeMessage& message) {
   }
   create_points(fresh);
   ++counters_.keyframes;
+}
+
+// The point that a track had in the keyframe before the newest: tracking may not have heard of it yet.
+LandmarkId Mapper::landmark_of_track(int camera, TrackId track) {
+  if (order_.size() < 2) return LandmarkId{};
+  for (const Observation& sighting : keyframe(order_.size() - 2).observations[camera]) {
+    if (sighting.track == track) return sighting.landmark;
+  }
+  return LandmarkId{};
 }
 
 void Mapper::create_points(Keyframe& keyframe) {
@@ -196,6 +207,7 @@ void Mapper::build() {
   members_.clear();
   const size_t window = std::min(order_.size(), static_cast<size_t>(params_.window));
   const size_t window_begin = order_.size() - window;
+  slide_prior(window_begin);
   choose_fixed(window_begin);
   window_first_ = static_cast<int>(members_.size());
   for (size_t i = window_begin; i < order_.size(); ++i) {
@@ -203,34 +215,27 @@ void Mapper::build() {
     const int frame = bundle_.add_frame(member.state, false);
     PIRVS_ASSERT(frame >= 0);  // window <= Bundle::kFreeMax by its range
     (void)members_.push_back({static_cast<uint16_t>(i), static_cast<int16_t>(frame)});
-    const bool has_before = members_.size() >= 2 && i > 0 &&
-                            members_[members_.size() - 2].order + size_t{1} == i;
-    if (member.linked && has_before) {
-      bundle_.link(members_[members_.size() - 2].frame, frame, member.from_previous);
-    } else if (i == window_begin) {
-      add_prior(frame, member);
+    if (i == window_begin) {
+      bundle_.set_prior(frame, prior_);
+    } else if (member.linked) {
+      bundle_.link(frame - 1, frame, member.from_previous);
     }
   }
   add_points(window_begin);
 }
 
-// The start has no older keyframe to stand on: place and heading are fixed by convention, the
-// biases by what such sensors are like.
-void Mapper::add_prior(int frame, const Keyframe& first) {
-  const auto information = [](double sigma) { return 1.0 / (sigma * sigma); };
-  Mat15 prior = Mat15::Zero();
-  const Vec3 about_axes(information(0.05), information(0.05), information(1e-4));
-  const Mat3 R = first.state.T_WB.R;
-  prior.block<3, 3>(0, 0) = R.transpose() * about_axes.asDiagonal() * R;
-  prior.diagonal().segment<3>(3).setConstant(information(1e-4));
-  prior.diagonal().segment<3>(6).setConstant(information(1.0));
-  prior.diagonal().segment<3>(9).setConstant(information(params_.start_sigma_gyro_bias));
-  prior.diagonal().segment<3>(12).setConstant(information(params_.start_sigma_accel_bias));
-  bundle_.set_prior(frame, prior);
+// Takes the prior along to the oldest keyframe of the window.
+void Mapper::slide_prior(size_t window_begin) {
+  if (prior_.sequence == 0) prior_ = start_prior(keyframe(0).sequence, keyframe(0).state, params_);
+  for (size_t i = 1; i <= window_begin; ++i) {
+    const Keyframe &a = keyframe(i - 1), &b = keyframe(i);
+    if (a.sequence < prior_.sequence) continue;
+    prior_ = advance(prior_, a.state, b.sequence, b.state, b.linked ? &b.from_previous : nullptr,
+                     noise_, params_);
+  }
 }
 
-// Older keyframes that share the most points with the window, and the one just before it, which the
-// IMU ties to it.
+// Older keyframes that share the most points with the window.
 void Mapper::choose_fixed(size_t window_begin) {
   if (window_begin == 0) return;
   uint64_t in_window[kLandmarksMax / 64] = {};
@@ -247,7 +252,7 @@ void Mapper::choose_fixed(size_t window_begin) {
     int shared;
   };
   FixedVector<Candidate, kKeyframesMax> candidates;
-  for (size_t i = 0; i + 1 < window_begin; ++i) {
+  for (size_t i = 0; i < window_begin; ++i) {
     int shared = 0;
     for (const Observation& sighting : keyframe(i).observations[0]) {
       const uint16_t slot = sighting.landmark.slot;
@@ -264,7 +269,6 @@ void Mapper::choose_fixed(size_t window_begin) {
   if (candidates.size() > wanted) candidates.resize(wanted);
   std::sort(candidates.begin(), candidates.end(),
             [](const Candidate& a, const Candidate& b) { return a.order < b.order; });
-  (void)candidates.push_back({static_cast<uint16_t>(window_begin - 1), 0});
   for (const Candidate& candidate : candidates) {
     const int frame = bundle_.add_frame(keyframe(candidate.order).state, true);
     if (frame < 0) break;

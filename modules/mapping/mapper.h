@@ -38,6 +38,7 @@ class Mapper {
   void insert(const KeyframeMessage& message);
   void forget_all();
   void remove_keyframe(size_t order);
+  LandmarkId landmark_of_track(int camera, TrackId track);
   void create_points(Keyframe& keyframe);
   void create_point(Keyframe& keyframe, int camera, size_t index);
   int gather_views(const Keyframe& keyframe, int camera, size_t index, View* views,
@@ -48,7 +49,7 @@ class Mapper {
   void build();
   void choose_fixed(size_t window_begin);
   void add_points(size_t window_begin);
-  void add_prior(int first_frame, const Keyframe& first);
+  void slide_prior(size_t window_begin);
   void finish();
   void write_back();
   void remove_outliers();
@@ -81,6 +82,7 @@ class Mapper {
     Observation* observation;
   };
   FixedVector<Sighting, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  WindowPrior prior_;
   Mat15 newest_cov_ = Mat15::Identity();
   MappingCounters counters_;
 };

@@ -22,6 +22,8 @@ struct MappingParams {
   float point_sigma_rel_max = 0.25f;
   float start_sigma_accel_bias = 0.2f;
   float start_sigma_gyro_bias = 0.02f;
+  float prior_sigma_rad = 0.002f;
+  float prior_sigma_m = 0.005f;
 };
 
 inline constexpr ParamRow<MappingParams> kMappingRows[] = {
@@ -50,6 +52,10 @@ inline constexpr ParamRow<MappingParams> kMappingRows[] = {
      "accelerometer bias expected at a start"},
     {"start_sigma_gyro_bias", &MappingParams::start_sigma_gyro_bias, 1e-4f, 0.5f, "rad/s",
      "uncertainty of the gyro bias found by a start"},
+    {"prior_sigma_rad", &MappingParams::prior_sigma_rad, 1e-5f, 0.1f, "rad",
+     "vision's relative attitude of two keyframes, in the prior at the window's end"},
+    {"prior_sigma_m", &MappingParams::prior_sigma_m, 1e-5f, 1, "m",
+     "vision's relative position of two keyframes, in the prior at the window's end"},
 };
 static_assert(sizeof(MappingParams) == std::size(kMappingRows) * sizeof(float));
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <iterator>
 
+#include <Eigen/Geometry>
+
 #include "core/kernels/lk/lk.h"
 #include "core/kernels/zssd/zssd.h"
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <iterator>
 
+#include <Eigen/LU>
+
 #include "core/math/so3.h"
 
 namespace pirvs {

@@ -5,6 +5,7 @@
 
 #include "core/base/assert.h"
 #include "core/math/so3.h"
+#include "core/math/trig.h"
 
 namespace pirvs {
 

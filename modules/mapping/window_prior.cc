@@ -1,0 +1,83 @@
+#include "modules/mapping/window_prior.h"
+
+#include <Eigen/Cholesky>
+
+#include "core/math/so3.h"
+#include "modules/tracking/filter.h"
+
+namespace pirvs {
+namespace {
+
+double information(double sigma) { return 1.0 / (sigma * sigma); }
+
+// Vision's relative pose of b in a, at the states it was refined to: zero residual.
+void add_relative_pose(const BodyState& a, const BodyState& b, const MappingParams& params,
+                       Mat15& H_aa, Mat15& H_ab, Mat15& H_bb) {
+  Mat6 J_a = Mat6::Zero(), J_b = Mat6::Zero();
+  const Mat3 R_aW = a.T_WB.R.transpose();
+  J_a.block<3, 3>(0, 0) = -b.T_WB.R.transpose() * a.T_WB.R;
+  J_b.block<3, 3>(0, 0).setIdentity();
+  J_a.block<3, 3>(3, 0) = skew(R_aW * (b.T_WB.p - a.T_WB.p));
+  J_a.block<3, 3>(3, 3) = -R_aW;
+  J_b.block<3, 3>(3, 3) = R_aW;
+  Vec6 weight;
+  weight.head<3>().setConstant(information(params.prior_sigma_rad));
+  weight.tail<3>().setConstant(information(params.prior_sigma_m));
+  const Mat6 W = weight.asDiagonal();
+  H_aa.topLeftCorner<6, 6>() += J_a.transpose() * W * J_a;
+  H_ab.topLeftCorner<6, 6>() += J_a.transpose() * W * J_b;
+  H_bb.topLeftCorner<6, 6>() += J_b.transpose() * W * J_b;
+}
+
+}  // namespace
+
+WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params) {
+  WindowPrior prior;
+  prior.sequence = sequence;
+  prior.mean = first;
+  // Place and heading are convention; tilt, velocity and biases are what a start can promise.
+  const Vec3 about_axes(information(0.05), information(0.05), information(1e-4));
+  const Mat3 R = first.T_WB.R;
+  prior.information.block<3, 3>(0, 0) = R.transpose() * about_axes.asDiagonal() * R;
+  prior.information.diagonal().segment<3>(3).setConstant(information(1e-4));
+  prior.information.diagonal().segment<3>(6).setConstant(information(0.5));
+  prior.information.diagonal().segment<3>(9).setConstant(
+      information(params.start_sigma_gyro_bias));
+  prior.information.diagonal().segment<3>(12).setConstant(
+      information(params.start_sigma_accel_bias));
+  return prior;
+}
+
+WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
+                    const BodyState& b, const Preintegration* motion, const ImuNoise& noise,
+                    const MappingParams& params) {
+  WindowPrior next;
+  next.sequence = sequence_b;
+  next.mean = b;
+  if (motion == nullptr) {
+    next = start_prior(sequence_b, b, params);
+    next.information.block<6, 6>(9, 9) = prior.information.block<6, 6>(9, 9);
+    return next;
+  }
+  Mat15 H_aa = prior.information, H_ab = Mat15::Zero(), H_bb = Mat15::Zero();
+  Vec15 g_a = prior.gradient - prior.information * boxminus(a, prior.mean);
+  const ImuLink link = make_link(0, 1, *motion, noise, params.imu_noise_scale);
+  const Vec15 Wr = weigh(link, link_residual(link, a, b));
+  Mat15 J_a, J_b;
+  link_jacobians(link, a, b, J_a, J_b);
+  H_aa += J_a.transpose() * weigh(link, J_a);
+  const Mat15 WJ_b = weigh(link, J_b);
+  H_ab += J_a.transpose() * WJ_b;
+  H_bb += J_b.transpose() * WJ_b;
+  g_a -= J_a.transpose() * Wr;
+  const Vec15 g_b = -J_b.transpose() * Wr;
+  add_relative_pose(a, b, params, H_aa, H_ab, H_bb);
+
+  const Eigen::LDLT<Mat15> H_aa_solver(H_aa);
+  next.information = H_bb - H_ab.transpose() * H_aa_solver.solve(H_ab);
+  next.information = (0.5 * (next.information + next.information.transpose())).eval();
+  next.gradient = g_b - H_ab.transpose() * H_aa_solver.solve(g_a);
+  return next;
+}
+
+}  // namespace pirvs
