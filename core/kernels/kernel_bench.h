@@ -10,9 +10,9 @@
 #pragma once
 
 #include <benchmark/benchmark.h>
+#include <time.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -34,11 +34,17 @@ struct Variants {
   std::function<void()> opencv;     // may be empty
 };
 
+// CPU time of this thread: what other processes take is not counted.
+inline double cpu_time_ns() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return static_cast<double>(t.tv_sec) * 1e9 + static_cast<double>(t.tv_nsec);
+}
+
 inline double run_ns(const std::function<void()>& work, int repeats) {
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin_ns = cpu_time_ns();
   for (int i = 0; i < repeats; ++i) work();
-  const std::chrono::duration<double, std::nano> spent = std::chrono::steady_clock::now() - begin;
-  return spent.count() / repeats;
+  return (cpu_time_ns() - begin_ns) / repeats;
 }
 
 inline double median(std::vector<double>& values) {

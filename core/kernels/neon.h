@@ -17,6 +17,74 @@
 
 namespace pirvs::neon {
 
+#if defined(__SSE4_1__)
+inline __m128i load_eight(const uint8_t* p) {
+  return _mm_cvtepu8_epi16(_mm_loadl_epi64(reinterpret_cast<const __m128i*>(p)));
+}
+#endif
+
+// Eight bytes, widened. GCC 12 needs five instructions for SIMDe's vmovl_u8, here and below.
+inline uint16x8_t load_widened(const uint8_t* p) {
+#if defined(__SSE4_1__)
+  return simde_uint16x8_from_m128i(load_eight(p));
+#else
+  return vmovl_u8(vld1_u8(p));
+#endif
+}
+
+// a[i] - b[i] for eight bytes.
+inline int16x8_t subtract_bytes(const uint8_t* a, const uint8_t* b) {
+#if defined(__SSE4_1__)
+  return simde_int16x8_from_m128i(_mm_sub_epi16(load_eight(a), load_eight(b)));
+#else
+  return vreinterpretq_s16_u16(vsubl_u8(vld1_u8(a), vld1_u8(b)));
+#endif
+}
+
+// a[i] * weight_a + b[i] * weight_b for eight bytes; must fit u16. Weights 0..255, in all lanes.
+inline uint16x8_t blend_bytes(const uint8_t* a, uint16x8_t weight_a, const uint8_t* b,
+                              uint16x8_t weight_b) {
+#if defined(__SSE4_1__)
+  return simde_uint16x8_from_m128i(
+      _mm_add_epi16(_mm_mullo_epi16(load_eight(a), simde_uint16x8_to_m128i(weight_a)),
+                    _mm_mullo_epi16(load_eight(b), simde_uint16x8_to_m128i(weight_b))));
+#else
+  return vmlal_u8(vmull_u8(vld1_u8(a), vmovn_u16(weight_a)), vld1_u8(b), vmovn_u16(weight_b));
+#endif
+}
+
+// (2 a b + 2^15) >> 16: vqrdmulhq_s16 where a and b are not both -32768. SIMDe's spends two more
+// instructions on that case, and gets it wrong.
+inline int16x8_t multiply_q15(int16x8_t a, int16x8_t b) {
+#if defined(__SSSE3__)
+  return simde_int16x8_from_m128i(
+      _mm_mulhrs_epi16(simde_int16x8_to_m128i(a), simde_int16x8_to_m128i(b)));
+#else
+  return vqrdmulhq_s16(a, b);
+#endif
+}
+
+// The low bytes of a, which must be below 256.
+inline uint8x8_t narrow(uint16x8_t a) {
+#if defined(__SSE2__)
+  const __m128i wide = simde_uint16x8_to_m128i(a);
+  return vget_low_u8(simde_uint8x16_from_m128i(_mm_packus_epi16(wide, wide)));
+#else
+  return vmovn_u16(a);
+#endif
+}
+
+// Sum of the lanes.
+inline int32_t sum_lanes(int32x4_t a) {
+#if defined(__SSE2__)
+  const __m128i lanes = simde_int32x4_to_m128i(a);
+  const __m128i pairs = _mm_add_epi32(lanes, _mm_shuffle_epi32(lanes, 0x4e));
+  return _mm_cvtsi128_si32(_mm_add_epi32(pairs, _mm_shuffle_epi32(pairs, 0xb1)));
+#else
+  return vaddvq_s32(a);
+#endif
+}
+
 // sums + a * b. Which lane of the sum a product goes to differs between machines; only the sum of
 // all four lanes is defined, and exact as long as no partial sum leaves int32.
 inline int32x4_t add_products(int32x4_t sums, int16x8_t a, int16x8_t b) {

@@ -50,7 +50,7 @@ def main():
     print("// clang-format off")
     print("#pragma once\n\n#include <cstdint>\n\nnamespace pirvs::describe_detail {\n")
     for name, end, axis in (("kAx", 0, 0), ("kAy", 0, 1), ("kBx", 1, 0), ("kBy", 1, 1)):
-        print(f"alignas(16) inline constexpr int8_t {name}[{PAIRS}] = {{")
+        print(f"alignas(16) inline constexpr int16_t {name}[{PAIRS}] = {{")
         print(rows([pair[end][axis] for pair in chosen]) + "};\n")
     print("}  // namespace pirvs::describe_detail")
 

@@ -22,9 +22,9 @@ struct Rows {
 
 // Eight columns. Reads p[0..9]. |difference| <= 255, smooth <= 1020.
 inline void filter_eight(const uint8_t* p, int16_t* difference, int16_t* smooth) {
-  const int16x8_t left = vreinterpretq_s16_u16(vmovl_u8(vld1_u8(p)));
-  const int16x8_t middle = vreinterpretq_s16_u16(vmovl_u8(vld1_u8(p + 1)));
-  const int16x8_t right = vreinterpretq_s16_u16(vmovl_u8(vld1_u8(p + 2)));
+  const int16x8_t left = vreinterpretq_s16_u16(neon::load_widened(p));
+  const int16x8_t middle = vreinterpretq_s16_u16(neon::load_widened(p + 1));
+  const int16x8_t right = vreinterpretq_s16_u16(neon::load_widened(p + 2));
   vst1q_s16(difference, vsubq_s16(right, left));
   vst1q_s16(smooth, vaddq_s16(vaddq_s16(left, right), vaddq_s16(middle, middle)));
 }

@@ -13,8 +13,6 @@ constexpr int kFirst[kEights] = {0, 8, 16, 24, 28};  // the last one repeats fou
 static_assert(kSide_px < kStride && kStride + 2 * kSmooth_px == kFirst[kEights - 1] + 8);
 static_assert(kStride - kRadius_px + kSmooth_px < kDescribeMargin_px, "right of what is read");
 
-inline uint16x8_t load(const uint8_t* p) { return vmovl_u8(vld1_u8(p)); }
-
 // Sums over 5 x 5 pixels: at most 25 * 255 = 6375. Sums of five rows are kept per column; a new row
 // enters and the one five rows above leaves. corner: upper left of the 36 x 35 pixels read.
 void smooth(const uint8_t* corner, int stride, uint16_t* out) {
@@ -22,15 +20,16 @@ void smooth(const uint8_t* corner, int stride, uint16_t* out) {
   for (int k = 0; k < kEights; ++k) {
     sums[k] = vdupq_n_u16(0);
     for (int j = 0; j < 2 * kSmooth_px; ++j)
-      sums[k] = vaddq_u16(sums[k], load(corner + static_cast<int64_t>(j) * stride + kFirst[k]));
+      sums[k] = vaddq_u16(
+          sums[k], neon::load_widened(corner + static_cast<int64_t>(j) * stride + kFirst[k]));
   }
   uint16_t columns[kStride + 2 * kSmooth_px];
   for (int y = 0; y < kSide_px; ++y, corner += stride, out += kStride) {
     const uint8_t* enters = corner + static_cast<int64_t>(2 * kSmooth_px) * stride;
     for (int k = 0; k < kEights; ++k) {
-      sums[k] = vaddq_u16(sums[k], load(enters + kFirst[k]));
+      sums[k] = vaddq_u16(sums[k], neon::load_widened(enters + kFirst[k]));
       vst1q_u16(columns + kFirst[k], sums[k]);
-      sums[k] = vsubq_u16(sums[k], load(corner + kFirst[k]));
+      sums[k] = vsubq_u16(sums[k], neon::load_widened(corner + kFirst[k]));
     }
     for (int x = 0; x < kStride; x += 8) {
       const uint16_t* c = columns + x;
@@ -43,12 +42,12 @@ void smooth(const uint8_t* corner, int stride, uint16_t* out) {
 
 // Where each turned pattern point lies in the smoothed patch. A turned coordinate is at most
 // 15 * 1024 and its two products 2 * 15 * 1024 = 30720, which with rounding fits int16.
-void turn(const int8_t* px, const int8_t* py, const Place& at, uint16_t* index) {
+void turn(const int16_t* px, const int16_t* py, const Place& at, uint16_t* index) {
   const int16x8_t cos_a = vdupq_n_s16(at.cos_a), sin_a = vdupq_n_s16(at.sin_a);
   const int16x8_t half = vdupq_n_s16(kUnit / 2);
   const int16x8_t centre = vdupq_n_s16(kRadius_px * kStride + kRadius_px);
   for (int i = 0; i < 256; i += 8) {
-    const int16x8_t x = vmovl_s8(vld1_s8(px + i)), y = vmovl_s8(vld1_s8(py + i));
+    const int16x8_t x = vld1q_s16(px + i), y = vld1q_s16(py + i);
     const int16x8_t turned_x = vsubq_s16(vmulq_s16(x, cos_a), vmulq_s16(y, sin_a));
     const int16x8_t turned_y = vaddq_s16(vmulq_s16(x, sin_a), vmulq_s16(y, cos_a));
     const int16x8_t column = vshrq_n_s16(vaddq_s16(turned_x, half), 10);

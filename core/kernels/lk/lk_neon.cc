@@ -8,12 +8,12 @@ namespace {
 using lk::kPixels;
 
 struct Weights {
-  uint8x16_t left, right;
+  uint16x8_t left, right;
   int16x8_t lower;
 };
 
 Weights weights(const lk::Window& w) {
-  return {vdupq_n_u8(static_cast<uint8_t>(128 - w.wx)), vdupq_n_u8(static_cast<uint8_t>(w.wx)),
+  return {vdupq_n_u16(static_cast<uint16_t>(128 - w.wx)), vdupq_n_u16(static_cast<uint16_t>(w.wx)),
           vdupq_n_s16(static_cast<int16_t>(w.wy))};
 }
 
@@ -21,26 +21,20 @@ struct Row {
   int16x8_t low, high;
 };
 
-// Sixteen horizontal blends, grey * 128: at most 255 * 128 = 32640, so int16 is enough.
-// Reads 17 bytes.
-inline Row blend_row(const uint8_t* p, const Weights& w) {
-  const uint8x16_t left = vld1q_u8(p), right = vld1q_u8(p + 1);
-  const uint16x8_t low = vmlal_u8(vmull_u8(vget_low_u8(left), vget_low_u8(w.left)),
-                                  vget_low_u8(right), vget_low_u8(w.right));
-  const uint16x8_t high = vmlal_high_u8(vmull_high_u8(left, w.left), right, w.right);
-  return {vreinterpretq_s16_u16(low), vreinterpretq_s16_u16(high)};
-}
-
-// Eight horizontal blends. Reads 9 bytes.
+// Eight horizontal blends, grey * 128: at most 255 * 128 = 32640, so int16. Reads 9 bytes.
 inline int16x8_t blend_half_row(const uint8_t* p, const Weights& w) {
-  return vreinterpretq_s16_u16(
-      vmlal_u8(vmull_u8(vld1_u8(p), vget_low_u8(w.left)), vld1_u8(p + 1), vget_low_u8(w.right)));
+  return vreinterpretq_s16_u16(neon::blend_bytes(p, w.left, p + 1, w.right));
 }
 
-// grey * 32. |lower - upper| <= 32640 and weight < 1, so vqrdmulh never saturates, and the blend
+// Sixteen of them. Reads 17 bytes.
+inline Row blend_row(const uint8_t* p, const Weights& w) {
+  return {blend_half_row(p, w), blend_half_row(p + 8, w)};
+}
+
+// grey * 32. |lower - upper| <= 32640 and the weight is below one, so the blend
 // lies between both rows; 2 more than 32640 still fits int16.
 inline int16x8_t blend_rows(int16x8_t upper, int16x8_t lower, const Weights& w) {
-  const int16x8_t blended = vaddq_s16(upper, vqrdmulhq_s16(vsubq_s16(lower, upper), w.lower));
+  const int16x8_t blended = vaddq_s16(upper, neon::multiply_q15(vsubq_s16(lower, upper), w.lower));
   return vshrq_n_s16(vaddq_s16(blended, vdupq_n_s16(2)), 2);
 }
 
@@ -68,7 +62,7 @@ struct Neon {
       sum_gy = neon::add_products(sum_gy, high, vld1q_s16(patch.gy + i + 8));
       upper = lower;
     }
-    return {vaddvq_s32(sum), vaddvq_s32(sum_gx), vaddvq_s32(sum_gy)};
+    return {neon::sum_lanes(sum), neon::sum_lanes(sum_gx), neon::sum_lanes(sum_gy)};
   }
 
   // |d - mean| <= 2 * 8160 fits int16; the sum of 256 of them fits int32.
@@ -77,7 +71,7 @@ struct Neon {
     int32x4_t sum = vdupq_n_s32(0);
     for (int i = 0; i < kPixels; i += 8)
       sum = neon::add_products(sum, vabsq_s16(vsubq_s16(vld1q_s16(d + i), offset)), ones);
-    return vaddvq_s32(sum);
+    return neon::sum_lanes(sum);
   }
 };
 
@@ -132,7 +126,8 @@ bool lk_extract_neon(const ImageView& im, float x, float y, LkPatch& out) {
     sxy = neon::add_products(sxy, gx, gy);
     syy = neon::add_products(syy, gy, gy);
   }
-  lk::finish({vaddvq_s32(sx), vaddvq_s32(sy), vaddvq_s32(sxx), vaddvq_s32(sxy), vaddvq_s32(syy)},
+  lk::finish({neon::sum_lanes(sx), neon::sum_lanes(sy), neon::sum_lanes(sxx), neon::sum_lanes(sxy),
+              neon::sum_lanes(syy)},
              window, x, y, out);
   return true;
 }

@@ -11,16 +11,16 @@ struct Sums {
   int32x4_t squares = vdupq_n_s32(0);
 
   void add(const uint8_t* a, const uint8_t* b) {
-    const int16x8_t d = vreinterpretq_s16_u16(vsubl_u8(vld1_u8(a), vld1_u8(b)));
+    const int16x8_t d = neon::subtract_bytes(a, b);
     sum = vaddq_s16(sum, d);
     squares = neon::add_products(squares, d, d);
   }
 
   // |sum| <= 256 * 255 = 65280, whose square still fits u32.
   uint32_t finish(int shift) const {
-    const int32_t total = vaddvq_s32(neon::add_products(vdupq_n_s32(0), sum, vdupq_n_s16(1)));
+    const int32_t total = neon::sum_lanes(neon::add_products(vdupq_n_s32(0), sum, vdupq_n_s16(1)));
     const uint32_t magnitude = static_cast<uint32_t>(total < 0 ? -total : total);
-    return static_cast<uint32_t>(vaddvq_s32(squares)) - ((magnitude * magnitude) >> shift);
+    return static_cast<uint32_t>(neon::sum_lanes(squares)) - ((magnitude * magnitude) >> shift);
   }
 };
 
