@@ -21,7 +21,9 @@ struct Command {
 };
 
 // One per command, defined beside its code; main.cc lists them in the order of the help.
+extern const Command kRunCommand;
 extern const Command kEvalCommand;
 extern const Command kSimCommand;
+extern const Command kParamsCommand;
 
 }  // namespace pirvs::tools

@@ -11,7 +11,7 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kEvalCommand, &kSimCommand};
+const Command* const kCommands[] = {&kRunCommand, &kEvalCommand, &kSimCommand, &kParamsCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

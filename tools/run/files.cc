@@ -1,0 +1,160 @@
+#include "tools/run/files.h"
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+
+#include "core/math/so3.h"
+#include "tools/dataset/input_error.h"
+
+namespace pirvs::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+Json statistics_json(const Statistics& s) {
+  return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}};
+}
+
+Json counts_json(const std::vector<Count>& counts) {
+  Json out = Json::object();
+  for (const Count& count : counts) out[count.name] = count.value;
+  return out;
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json evaluation_json(const Evaluation& e) {
+  if (!e.ok) return nullptr;
+  return {
+      {"poses", e.poses},           {"duration_s", e.duration_s}, {"path_m", e.path_m},
+      {"ate_rmse_m", e.ate_rmse_m}, {"ate_std_m", e.ate_std_m},   {"ate_max_m", e.ate_max_m},
+      {"rpe_delta_s", e.delta_s},   {"rpe_m", number(e.rpe_m)},   {"rpe_deg", number(e.rpe_deg)}};
+}
+
+std::string summary(const RunInfo& info, const Recording& recording, const RunLog& log,
+                    const RunResult& result, const std::vector<Count>& player_rejected) {
+  Json timing = Json::object();
+  for (size_t i = 0; i < kTimingColumns.size(); ++i) {
+    timing[kTimingColumns[i].name] = statistics_json(result.timing[i]);
+  }
+  Json pools = counts_json(log.pools);
+  pools["sum"] = result.pool_bytes;
+  Json input = counts_json(recording.rejected);
+  input.update(counts_json(player_rejected));
+  const Json root = {{"status", result.done ? "tracked" : "lost"},
+                     {"sequence", info.sequence},
+                     {"command", info.command},
+                     {"revision", info.revision},
+                     {"cores", info.cores},
+                     {"duration_s", result.duration_s},
+                     {"wall_s", result.wall_s},
+                     {"frames",
+                      {{"in", result.frames_in},
+                       {"tracked", result.frames_tracked},
+                       {"lost", result.frames_lost},
+                       {"before_start", result.frames_before_start},
+                       {"dropped", result.frames_dropped}}},
+                     {"health_at_end", name(result.health_at_end)},
+                     {"evaluation", evaluation_json(result.evaluation)},
+                     {"timing_ms", timing},
+                     {"keyframes", log.keyframes.size()},
+                     {"points", log.points.size()},
+                     {"pools_bytes", pools},
+                     {"counters", counts_json(log.counters)},
+                     {"input_rejected", input}};
+  return root.dump(2) + "\n";
+}
+
+std::string keyframes_tum(const RunLog& log) {
+  std::string out;
+  for (const BodyState& state : log.keyframes) {
+    out += tum_line(state.t, state.T_WB.p, quat_xyzw(state.T_WB.R));
+  }
+  return out;
+}
+
+std::string trajectory_tum(const RunResult& result) {
+  std::string out;
+  for (const TrajectoryPose& pose : result.trajectory.poses) {
+    out += tum_line(pose.t, pose.p_WB, pose.q_WB);
+  }
+  return out;
+}
+
+std::string timing_csv(const RunLog& log) {
+  std::string out = "t_ns";
+  for (const TimingColumn& column : kTimingColumns) out += std::string(",") + column.name;
+  out += "\n";
+  for (const FrameReport& frame : log.frames) {
+    out += std::to_string(frame.t);
+    for (const TimingColumn& column : kTimingColumns) {
+      char text[32];
+      std::snprintf(text, sizeof text, ",%.4f", double(frame.*column.field));
+      out += text;
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+std::string map_ply(const RunLog& log) {
+  std::string out = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(log.points.size()) +
+                    "\nproperty float x\nproperty float y\nproperty float z\n"
+                    "property float sigma_m\nproperty ushort views\nend_header\n";
+  for (const Landmark& point : log.points) {
+    char line[128];
+    std::snprintf(line, sizeof line, "%.4f %.4f %.4f %.4f %u\n", point.p_W.x(), point.p_W.y(),
+                  point.p_W.z(), std::sqrt(point.cov.trace()), unsigned(point.views));
+    out += line;
+  }
+  return out;
+}
+
+}  // namespace
+
+void make_output_folder(const std::string& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error || !fs::is_directory(folder)) {
+    throw InputError("cannot make the folder", folder, "choose another --out");
+  }
+}
+
+void write_file(const std::string& path, const std::string& content) {
+  std::ofstream file(path, std::ios::binary);
+  file << content;
+  file.close();
+  if (!file) throw InputError("cannot write", path, "check space and permissions");
+}
+
+void write_run_files(const std::string& folder, const RunInfo& info, const Recording& recording,
+                     const RunLog& log, const RunResult& result,
+                     const std::vector<Count>& player_rejected) {
+  write_file(folder + "/trajectory.tum", trajectory_tum(result));
+  write_file(folder + "/keyframes.tum", keyframes_tum(log));
+  write_file(folder + "/map.ply", map_ply(log));
+  write_file(folder + "/timing.csv", timing_csv(log));
+  write_file(folder + "/summary.json", summary(info, recording, log, result, player_rejected));
+}
+
+std::string source_revision() {
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  if (error) return "unknown";
+  const std::string command =
+      "git -C '" + program.parent_path().string() + "' describe --always --dirty 2>/dev/null";
+  std::string out;
+  if (std::FILE* const pipe = popen(command.c_str(), "r")) {
+    char text[128];
+    while (std::fgets(text, sizeof text, pipe)) out += text;
+    pclose(pipe);
+  }
+  while (!out.empty() && out.back() == '\n') out.pop_back();
+  return out.empty() ? "unknown" : out;
+}
+
+}  // namespace pirvs::tools

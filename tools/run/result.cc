@@ -1,0 +1,87 @@
+#include "tools/run/result.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/math/so3.h"
+#include "tools/cli/command.h"
+
+namespace pirvs::tools {
+namespace {
+
+constexpr double kDelta_s = 1.0;
+
+// Nearest rank: a value that did occur.
+double percentile(const std::vector<double>& sorted, double p) {
+  const size_t rank = size_t(std::ceil(p * double(sorted.size())));
+  return sorted[std::clamp<size_t>(rank, 1, sorted.size()) - 1];
+}
+
+bool lost(const FrameReport& frame) {
+  return !frame.has_pose || frame.pose.health == HealthState::kLost;
+}
+
+void count_frames(const RunLog& log, RunResult& result) {
+  bool started = false;
+  for (const FrameReport& frame : log.frames) {
+    started = started || frame.has_pose;
+    if (!started) {
+      ++result.frames_before_start;
+    } else if (lost(frame)) {
+      ++result.frames_lost;
+    } else {
+      ++result.frames_tracked;
+    }
+  }
+  result.frames_dropped = result.frames_in - std::min(result.frames_in, log.frames.size());
+}
+
+}  // namespace
+
+Statistics statistics(std::vector<double> values) {
+  Statistics out;
+  if (values.empty()) return out;
+  std::sort(values.begin(), values.end());
+  for (const double v : values) out.mean += v;
+  out.mean /= double(values.size());
+  out.median = percentile(values, 0.5);
+  out.p95 = percentile(values, 0.95);
+  out.p99 = percentile(values, 0.99);
+  out.max = values.back();
+  return out;
+}
+
+int RunResult::exit_status() const { return done ? kExitDone : kExitFailed; }
+
+RunResult make_result(const Recording& recording, const RunLog& log, Status status) {
+  RunResult result;
+  result.frames_in = recording.frames.size();
+  result.duration_s = recording.duration_s();
+  count_frames(log, result);
+  for (size_t i = 0; i < kTimingColumns.size(); ++i) {
+    std::vector<double> values;
+    for (const FrameReport& f : log.frames) values.push_back(double(f.*kTimingColumns[i].field));
+    result.timing[i] = statistics(values);
+  }
+  for (const Count& pool : log.pools) result.pool_bytes += pool.value;
+  for (const FrameReport& frame : log.frames) {
+    if (!frame.has_pose) continue;
+    TrajectoryPose pose;
+    pose.t = frame.t;
+    pose.t_s = double(frame.t) / 1e9;
+    pose.p_WB = frame.pose.state.T_WB.p;
+    pose.q_WB = quat_xyzw(frame.pose.state.T_WB.R);
+    pose.v_WB = frame.pose.state.v_WB;
+    pose.b_g = frame.pose.state.b_g;
+    pose.b_a = frame.pose.state.b_a;
+    result.trajectory.poses.push_back(pose);
+  }
+  if (!result.trajectory.poses.empty() && recording.truth.poses.size() > 1) {
+    result.evaluation = evaluate(result.trajectory, recording.truth, kDelta_s);
+  }
+  if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
+  result.done = status == Status::kOk && !log.frames.empty() && !lost(log.frames.back());
+  return result;
+}
+
+}  // namespace pirvs::tools

@@ -1,0 +1,56 @@
+// What    A run boiled down: what the summary, the report and the last lines on the screen say.
+// In      Recording, RunLog.
+// Out     Frame counts, timing statistics of each column, ATE and RPE, the verdict.
+// Units   ms of CPU time per stereo frame; m, deg.
+// Errors  none; without ground truth, evaluation.ok is false.
+// Source  DESIGN.md, "The front door" (summary.json).
+#pragma once
+
+#include <array>
+#include <string>
+
+#include "tools/eval/eval.h"
+#include "tools/run/run_log.h"
+
+namespace pirvs::tools {
+
+struct Statistics {
+  double mean = 0, median = 0, p95 = 0, p99 = 0, max = 0;
+};
+
+Statistics statistics(std::vector<double> values);
+
+struct TimingColumn {
+  const char* name;   // as in timing.csv
+  const char* label;  // as in the paper's Table II
+  float FrameReport::*field;
+};
+inline constexpr std::array<TimingColumn, 5> kTimingColumns = {{
+    {"image_ms", "Image processing", &FrameReport::image_ms},
+    {"matching_ms", "Matching", &FrameReport::matching_ms},
+    {"tracking_ms", "Tracking", &FrameReport::tracking_ms},
+    {"mapping_ms", "Mapping", &FrameReport::mapping_ms},
+    {"end_to_end_ms", "End-to-end", &FrameReport::end_to_end_ms},
+}};
+
+struct RunResult {
+  size_t frames_in = 0;            // of the recording, or of the part asked for
+  size_t frames_tracked = 0;       // with a pose and not lost
+  size_t frames_lost = 0;          // after the first pose: no pose, or lost
+  size_t frames_before_start = 0;  // processed before the first pose
+  size_t frames_dropped = 0;       // never reached the estimator's end
+  double duration_s = 0;
+  double wall_s = 0;
+  std::array<Statistics, kTimingColumns.size()> timing;
+  size_t pool_bytes = 0;
+  Trajectory trajectory;  // what trajectory.tum holds
+  Evaluation evaluation;
+  HealthState health_at_end = HealthState::kInitializing;
+  bool done = false;  // tracking to the last frame
+
+  int exit_status() const;
+};
+
+RunResult make_result(const Recording& recording, const RunLog& log, Status status);
+
+}  // namespace pirvs::tools

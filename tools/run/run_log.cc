@@ -1,0 +1,61 @@
+#include "tools/run/run_log.h"
+
+#include <algorithm>
+
+namespace pirvs::tools {
+namespace {
+
+constexpr size_t kKeyframesExpected = 8192;
+constexpr int kNamedMax = 512;
+
+void on_frame(void* context, const FrameReport& report) {
+  static_cast<RunLog*>(context)->frames.push_back(report);
+}
+
+void on_health(void* context, TimeNs t, HealthState state, const char* what) {
+  static_cast<RunLog*>(context)->health.push_back({t, state, what});
+}
+
+void on_keyframe(void* context, const BodyState& state) {
+  static_cast<RunLog*>(context)->keyframes.push_back(state);
+}
+
+std::vector<Count> named(const NamedValue* values, int count) {
+  std::vector<Count> out;
+  for (int i = 0; i < count; ++i) out.push_back({values[i].name, size_t(values[i].value)});
+  return out;
+}
+
+}  // namespace
+
+RunLog::RunLog(size_t frames_expected) {
+  frames.reserve(frames_expected + 1);
+  health.reserve(1024);
+  keyframes.reserve(kKeyframesExpected);
+}
+
+AppSinks RunLog::sinks() {
+  AppSinks sinks;
+  sinks.context = this;
+  sinks.frame = on_frame;
+  sinks.health = on_health;
+  sinks.keyframe = on_keyframe;
+  return sinks;
+}
+
+void RunLog::finish(const App& app) {
+  const Map& map = app.map();
+  for (size_t slot = 0; slot < map.keyframes.capacity(); ++slot) {
+    if (const Keyframe* keyframe = map.keyframes.at(slot)) keyframes.push_back(keyframe->state);
+  }
+  std::sort(keyframes.begin(), keyframes.end(),
+            [](const BodyState& a, const BodyState& b) { return a.t < b.t; });
+  for (size_t slot = 0; slot < map.landmarks.capacity(); ++slot) {
+    if (const Landmark* landmark = map.landmarks.at(slot)) points.push_back(*landmark);
+  }
+  NamedValue values[kNamedMax];
+  counters = named(values, app.counters(values, kNamedMax));
+  pools = named(values, App::pools(values, kNamedMax));
+}
+
+}  // namespace pirvs::tools

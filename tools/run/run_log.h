@@ -1,0 +1,38 @@
+// What    Everything a run has to tell, as it came out of the App: what the files and the report
+//         are made of.
+// In      App's sinks while it runs; the App itself at the end.
+// Out     Frames, health events, keyframes, map points, counters, pools.
+// Frames  W: the estimator's world. B: IMU.
+// Units   as in modules/app/app.h.
+// Errors  none.
+// Cost    ~1 kB a frame, allocated ahead so that the sinks do not disturb the timing.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "modules/app/app.h"
+#include "tools/dataset/recording.h"
+
+namespace pirvs::tools {
+
+struct HealthEvent {
+  TimeNs t = 0;
+  HealthState state = HealthState::kInitializing;
+  std::string what;
+};
+
+struct RunLog {
+  std::vector<FrameReport> frames;  // in order of time, one per frame that went through
+  std::vector<HealthEvent> health;
+  std::vector<BodyState> keyframes;  // sorted by time after finish()
+  std::vector<Landmark> points;
+  std::vector<Count> counters;
+  std::vector<Count> pools;  // bytes
+
+  explicit RunLog(size_t frames_expected);
+  AppSinks sinks();
+  void finish(const App& app);
+};
+
+}  // namespace pirvs::tools
