@@ -1,0 +1,130 @@
+// Cooperative scheduler: after each step the first due row of the table runs.
+// In      A table of tasks in order of priority, a machine's clocks; trigger() from any core.
+// Out     Steps run to completion on the core of their row; counters per task.
+//         run(core): the rows of one core, by time, until stop(), which is for good; kAllCores
+//         interleaves the rows of all.
+//         run_until_idle(): all rows in lockstep, as if every period had just passed, until every
+//         step says kIdle. The order depends on the table and the steps alone, not on a clock.
+// Frames  none. The step's `now` is the clock's, in ns.
+// Errors  Never silent, counted per task: overrun, a step used more CPU time than its budget;
+//         slip, a whole period or a trigger passed without a run of its own.
+// Cost    Two readings of the CPU clock and one of the clock per step; no heap.
+// Source  STYLE principles 1 and 2; ArduPilot AP_Scheduler.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+
+#include "core/base/assert.h"
+#include "core/base/time.h"
+
+namespace pirvs {
+
+enum class Step : uint8_t {
+  kIdle,   // nothing was done: no input, or the job is finished
+  kAgain,  // something was done: ask every row again, from the first
+};
+
+struct Task {
+  const char* name;
+  Step (*step)(void* context, TimeNs now);
+  void* context;
+  uint32_t period_us;  // 0: background, asked whenever nothing above it is due
+  uint32_t budget_us;
+  uint8_t core;
+  bool triggered = false;  // due by trigger() alone; period_us then only serves utilisation()
+};
+
+inline constexpr int kAllCores = -1;
+
+constexpr bool runs_on(const Task& task, int core) {
+  return core == kAllCores || task.core == core;
+}
+
+// Share of a core that the periodic rows need when each uses its whole budget.
+template <size_t N>
+constexpr double utilisation(const Task (&tasks)[N], int core = kAllCores) {
+  double sum = 0.0;
+  for (const Task& task : tasks) {
+    if (runs_on(task, core) && task.period_us > 0) {
+      sum += static_cast<double>(task.budget_us) / task.period_us;
+    }
+  }
+  return sum;
+}
+
+// How long the first row may have to wait.
+template <size_t N>
+constexpr uint32_t longest_budget_us(const Task (&tasks)[N], int core = kAllCores) {
+  uint32_t longest = 0;
+  for (const Task& task : tasks) {
+    if (runs_on(task, core) && task.budget_us > longest) longest = task.budget_us;
+  }
+  return longest;
+}
+
+struct Clocks {
+  TimeNs (*now)();
+  TimeNs (*cpu_time)();
+  void (*relax)();  // called when nothing is due
+};
+
+struct TaskCounters {
+  uint32_t runs = 0;
+  uint32_t overruns = 0;
+  uint32_t slips = 0;
+  TimeNs cpu_total = 0;
+  TimeNs cpu_max = 0;
+};
+
+class Scheduler {
+ public:
+  static constexpr size_t kTasksMax = 16;
+
+  // The table must outlive the scheduler.
+  template <size_t N>
+  Scheduler(const Task (&tasks)[N], const Clocks& clocks)
+      : tasks_(tasks), count_(N), clocks_(clocks) {
+    static_assert(N <= kTasksMax);
+  }
+
+  void run(int core);
+  void run_until_idle();
+  void stop() { stopped_.store(true, std::memory_order_relaxed); }  // from any core or step
+  void trigger(size_t task);                                        // from any core or step
+
+  size_t size() const { return count_; }
+  const Task& task(size_t i) const {
+    PIRVS_ASSERT(i < count_);
+    return tasks_[i];
+  }
+  TaskCounters counters(size_t i) const;  // exact once the task's core is at rest
+
+ private:
+  // Written by the core that runs the row, but for the two atomics.
+  struct State {
+    std::atomic<bool> pending{false};
+    std::atomic<uint32_t> missed_triggers{0};
+    bool idle = false;     // said kIdle, and nothing has happened on its core since
+    bool again = false;    // said kAgain: due whatever its period or trigger says
+    bool started = false;  // the first period begins when the row is first looked at
+    TimeNs due = 0;        // when the next period begins
+    TaskCounters counters;
+  };
+
+  enum class Mode : uint8_t { kTimed, kLockstep };
+  bool run_first_due(int core, Mode mode);
+  bool is_due(size_t i, TimeNs now, Mode mode);
+  bool period_has_come(size_t i, TimeNs now);
+  Step execute(size_t i, TimeNs now);
+  void forget_idle(int core);
+
+  const Task* tasks_;
+  size_t count_;
+  Clocks clocks_;
+  State states_[kTasksMax];
+  std::atomic<bool> stopped_{false};
+};
+
+}  // namespace pirvs

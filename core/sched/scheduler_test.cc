@@ -1,0 +1,175 @@
+#include "core/sched/scheduler.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <thread>
+
+#include "core/store/ring.h"
+
+namespace pirvs {
+namespace {
+
+// A clock that moves by what steps spend and by 100 us at rest.
+TimeNs fake_time;
+const Clocks kFakeClocks = {[] { return fake_time; }, [] { return fake_time; },
+                            [] { fake_time += 100'000; }};
+
+// A step that writes its letter, spends some time, and has a number of jobs.
+struct Job {
+  char letter;
+  TimeNs cost = 0;
+  int jobs = 0;  // left; each kAgain takes one
+  TimeNs end = INT64_MAX;
+  Scheduler* scheduler = nullptr;
+
+  static std::string log;
+  static Step step(void* context, TimeNs now) {
+    Job& job = *static_cast<Job*>(context);
+    if (now >= job.end) job.scheduler->stop();
+    log += job.letter;
+    fake_time += job.cost;
+    if (job.jobs == 0) return Step::kIdle;
+    --job.jobs;
+    return Step::kAgain;
+  }
+};
+std::string Job::log;
+
+class SchedulerTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    fake_time = 0;
+    Job::log.clear();
+  }
+};
+
+constexpr Task kExample[] = {
+    {"imu", Job::step, nullptr, 5'000, 50, 0},
+    {"image", Job::step, nullptr, 50'000, 5'000, 1},
+    {"mapping", Job::step, nullptr, 0, 2'000, 1},
+};
+static_assert(utilisation(kExample) > 0.1099 && utilisation(kExample) < 0.1101);
+static_assert(utilisation(kExample, 0) > 0.0099 && utilisation(kExample, 0) < 0.0101);
+static_assert(longest_budget_us(kExample) == 5'000);
+static_assert(longest_budget_us(kExample, 0) == 50);
+
+TEST_F(SchedulerTest, LockstepRestartsAtTheFirstRowAfterEveryJob) {
+  Job a{'a'}, b{'b', 0, 2}, c{'c', 0, 1};
+  const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0},
+                        {"b", Job::step, &b, 0, 10, 1},
+                        {"c", Job::step, &c, 50'000, 10, 0}};
+  Scheduler scheduler(tasks, kFakeClocks);
+  scheduler.run_until_idle();
+  EXPECT_EQ(Job::log,
+            "ab"
+            "ab"
+            "abc"
+            "abc");
+  Job::log.clear();
+  scheduler.run_until_idle();
+  EXPECT_EQ(Job::log, "abc") << "idle is asked again by the next call";
+}
+
+TEST_F(SchedulerTest, PeriodsAreKeptAndBackgroundFillsTheRest) {
+  Job a{'a'}, b{'b', 1'000'000, 5};
+  const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 0, 2'000, 0}};
+  Scheduler scheduler(tasks, kFakeClocks);
+  a.scheduler = &scheduler;
+  a.end = 50'000'000;
+  scheduler.run(0);
+  EXPECT_EQ(scheduler.counters(0).runs, 11u);
+  EXPECT_EQ(scheduler.counters(0).slips, 0u);
+  EXPECT_EQ(Job::log.substr(0, 8), "abbbbbab") << "five jobs of 1 ms fit into one period";
+  EXPECT_EQ(scheduler.counters(1).overruns, 0u);
+  EXPECT_EQ(scheduler.counters(1).cpu_max, 1'000'000);
+}
+
+TEST_F(SchedulerTest, OverrunsAndSlipsAreCounted) {
+  Job a{'a'}, b{'b', 12'000'000};
+  const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 40'000, 2'000, 0}};
+  Scheduler scheduler(tasks, kFakeClocks);
+  a.scheduler = &scheduler;
+  a.end = 39'000'000;
+  scheduler.run(0);
+  // b runs from 0 to 12 ms: the period of a that began at 5 ms has no run of its own.
+  EXPECT_EQ(scheduler.counters(0).slips, 1u);
+  EXPECT_EQ(scheduler.counters(0).overruns, 0u);
+  EXPECT_EQ(scheduler.counters(1).runs, scheduler.counters(1).overruns);
+  EXPECT_EQ(scheduler.counters(1).cpu_total, 12'000'000 * scheduler.counters(1).runs);
+}
+
+TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
+  Job a{'a'};
+  const Task tasks[] = {{"a", Job::step, &a, 10'000, 10, 0, true}};
+  Scheduler scheduler(tasks, kFakeClocks);
+  scheduler.run_until_idle();
+  EXPECT_EQ(Job::log, "");
+  scheduler.trigger(0);
+  scheduler.run_until_idle();
+  EXPECT_EQ(Job::log, "a");
+  scheduler.trigger(0);
+  scheduler.trigger(0);
+  scheduler.run_until_idle();
+  EXPECT_EQ(Job::log, "aa");
+  EXPECT_EQ(scheduler.counters(0).slips, 1u);
+}
+
+TEST_F(SchedulerTest, EachCoreRunsItsOwnRows) {
+  Job a{'a'}, b{'b'};
+  const Task tasks[] = {{"a", Job::step, &a, 1'000, 10, 0}, {"b", Job::step, &b, 1'000, 10, 1}};
+  Scheduler scheduler(tasks, kFakeClocks);
+  b.scheduler = &scheduler;
+  b.end = 3'000'000;
+  scheduler.run(1);
+  EXPECT_EQ(Job::log, "bbbb");
+}
+
+// One producer and one consumer, the same table, on one core and on two.
+struct Pipe {
+  static constexpr int kItems = 2'000;
+  Ring<int, 8> ring;
+  int pushed = 0, popped = 0;
+  bool in_order = true;
+  Scheduler* scheduler = nullptr;
+
+  static Step produce(void* context, TimeNs) {
+    Pipe& pipe = *static_cast<Pipe*>(context);
+    if (pipe.pushed == kItems || !pipe.ring.push(pipe.pushed)) return Step::kIdle;
+    ++pipe.pushed;
+    return Step::kAgain;
+  }
+  static Step consume(void* context, TimeNs) {
+    Pipe& pipe = *static_cast<Pipe*>(context);
+    const int* item = pipe.ring.front();
+    if (item == nullptr) return Step::kIdle;
+    pipe.in_order &= *item == pipe.popped;
+    pipe.ring.pop();
+    if (++pipe.popped == kItems) pipe.scheduler->stop();
+    return Step::kAgain;
+  }
+};
+
+TEST_F(SchedulerTest, TheSameTableRunsInLockstepOnOneCoreOrOnTwo) {
+  const Clocks clocks = {[] { return TimeNs{0}; }, [] { return TimeNs{0}; },
+                         [] { std::this_thread::yield(); }};
+  for (int way = 0; way < 3; ++way) {
+    Pipe pipe;
+    const Task tasks[] = {{"produce", Pipe::produce, &pipe, 0, 10, 0},
+                          {"consume", Pipe::consume, &pipe, 0, 10, 1}};
+    Scheduler scheduler(tasks, clocks);
+    pipe.scheduler = &scheduler;
+    if (way == 0) scheduler.run_until_idle();
+    if (way == 1) scheduler.run(kAllCores);
+    if (way == 2) {
+      std::thread second([&scheduler] { scheduler.run(1); });
+      scheduler.run(0);
+      second.join();
+    }
+    EXPECT_EQ(pipe.popped, Pipe::kItems);
+    EXPECT_TRUE(pipe.in_order);
+  }
+}
+
+}  // namespace
+}  // namespace pirvs
