@@ -5,8 +5,7 @@
 //   BENCHMARK(bench)->Name("equalize_752x480")->Apply(bench::rounds);
 //
 // Columns: Time = ours; ours_ns, reference_ns, opencv_ns per call (median over rounds);
-// ours/reference and ours/opencv, where less than one means that ours is faster. A missing one has
-// no column value.
+// ours/reference and ours/opencv: below one, ours is faster. nan: there is none to compare with.
 #pragma once
 
 #include <benchmark/benchmark.h>

@@ -1,15 +1,15 @@
 // NEON intrinsics on every machine: the real ones on AArch64, SIMDe's exact emulation elsewhere,
 // and the few helpers where both need a different instruction for the same result.
 // Errors  None. Integer helpers wrap; each caller proves that its sums fit.
-// Source  Arm C Language Extensions, "Neon intrinsics"; SIMDe 0.7.4, which lacks or breaks
-// vabal_u8,
-//         vcvtnq_s32_f32, vsliq_n and others: compare with the reference before using a new one.
+// Source  Arm C Language Extensions, "Neon intrinsics"; SIMDe 0.7.4. That version lacks or breaks
+//         vabal_u8, vcvtnq_s32_f32, vsliq_n and others: before using a new one, compare it with
+//         the reference.
 #pragma once
 
 #if defined(__aarch64__)
 #include <arm_neon.h>
 #else
-#define SIMDE_ENABLE_NATIVE_ALIASES
+#define SIMDE_ENABLE_NATIVE_ALIASES  // NOLINT(readability-identifier-naming): SIMDe's name
 #include <simde/arm/neon.h>
 #endif
 

@@ -1,5 +1,4 @@
-// Goal (x86-64): 3 us for 40 x 40 px. OpenCV computes the response of the same pixels, then its
-// maximum.
+// Goal (x86-64): 3 us for 40 x 40 px. OpenCV: response of the same pixels, then its maximum.
 #include "core/kernels/corner/corner.h"
 
 #include <opencv2/imgproc.hpp>

@@ -29,8 +29,8 @@ inline void filter_eight(const uint8_t* p, int16_t* difference, int16_t* smooth)
   vst1q_s16(smooth, vaddq_s16(vaddq_s16(left, right), vaddq_s16(middle, middle)));
 }
 
-// p: two pixels left of the first gradient's right neighbour. Reads columns + 2 bytes: the last
-// eight columns repeat some.
+// p: one pixel left of the first gradient. Reads columns + 2 bytes: the last eight columns repeat
+// some.
 inline void filter_row(const uint8_t* p, int columns, int16_t* difference, int16_t* smooth) {
   for (int x = 0; x < columns - 8; x += 8) filter_eight(p + x, difference + x, smooth + x);
   const int last = columns - 8;

@@ -4,11 +4,12 @@
 //         cos_a, sin_a: unit vector, the patch's x axis in the image.
 // Out     Descriptor. x, y are rounded to the pixel and the rotated pattern points as well.
 //         Both variants and all machines give the same bits.
-// Frames  Pixels, x right, y down, (0,0) = centre of the first pixel. A positive angle turns x to
-// y. Errors  None. Asserts the position and that the vector is no longer than one. Cost    0.5 us
-// x86-64 (make bench K=describe). 4 KiB of stack. Source  Calonder et al., "BRIEF", ECCV 2010;
-// turned as in Rublee et al., "ORB", ICCV 2011, section 4.1;
-//         pattern from tools/gen/brief_pattern.py. Smoothing: mean of 5 x 5 px, as a sum.
+// Frames  Pixels, x right, y down, (0,0) = centre of the first pixel. Positive angles turn x to y.
+// Errors  None. Asserts the position and that the vector is no longer than one.
+// Cost    0.5 us x86-64 (make bench K=describe). 4 KiB of stack.
+// Source  Calonder et al., "BRIEF", ECCV 2010; turned as in Rublee et al., "ORB", ICCV 2011,
+// section
+//         4.1; pattern from tools/gen/brief_pattern.py. Smoothing: mean of 5 x 5 px, as a sum.
 #pragma once
 
 #include <cstdint>

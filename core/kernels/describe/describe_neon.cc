@@ -68,8 +68,7 @@ void describe_neon(const ImageView& im, float x, float y, float cos_a, float sin
   smooth(im.row(at.y - kReach_px) + at.x - kReach_px, im.stride, patch);
   turn(kAx, kAy, at, index_a);
   turn(kBx, kBy, at, index_b);
-  // There is no gather, so the lookups are scalar; the comparison's carry goes straight into the
-  // word.
+  // No gather exists, so lookups are scalar; the comparison's carry goes straight into the word.
   for (int word = 0; word < 4; ++word) {
     uint64_t bits = 0;
     for (int i = word * 64; i < word * 64 + 64; ++i)

@@ -1,6 +1,9 @@
 // What both variants of describe agree on. Private to core/kernels/describe.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
+
 #include "core/base/assert.h"
 #include "core/kernels/describe/describe.h"
 #include "core/kernels/describe/describe_pattern.h"
@@ -24,11 +27,9 @@ inline Place place(const ImageView& im, float x, float y, float cos_a, float sin
   PIRVS_ASSERT(y >= kDescribeMargin_px - 1 &&
                y <= static_cast<float>(im.height - kDescribeMargin_px));
   PIRVS_ASSERT(cos_a * cos_a + sin_a * sin_a <= 1.001f);
-  // Shifted to be positive, so that the cast rounds to nearest on every machine.
-  const auto fixed = [](float v) {
-    return static_cast<int16_t>(static_cast<int>(v * kUnit + 2.0f * kUnit + 0.5f) - 2 * kUnit);
-  };
-  return {static_cast<int>(x + 0.5f), static_cast<int>(y + 0.5f), fixed(cos_a), fixed(sin_a)};
+  const auto round = [](float v) { return static_cast<int>(std::floor(v + 0.5f)); };
+  return {round(x), round(y), static_cast<int16_t>(round(cos_a * kUnit)),
+          static_cast<int16_t>(round(sin_a * kUnit))};
 }
 
 }  // namespace pirvs::describe_detail

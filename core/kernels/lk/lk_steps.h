@@ -15,7 +15,7 @@ namespace pirvs::lk {
 struct Window {
   const uint8_t* first;
   int stride;
-  int wx;      // weight of the right pixel, 0..128, in 1/128
+  int wx;      // weight of the right pixel, 0..127, in 1/128
   int wy;      // weight of the lower pixel, 0..32767, in 1/32768
   float x, y;  // position really sampled, px
 };
@@ -32,7 +32,7 @@ inline bool place(const ImageView& im, float x, float y, int border, Window& out
   const int column = static_cast<int>(left_px), row = static_cast<int>(top_px);
   out.first = im.row(row) + column;
   out.stride = im.stride;
-  out.wx = static_cast<int>((left_px - static_cast<float>(column)) * 128.0f + 0.5f);
+  out.wx = static_cast<int>((left_px - static_cast<float>(column)) * 128.0f);
   out.wy = static_cast<int>((top_px - static_cast<float>(row)) * 32768.0f);
   out.x = static_cast<float>(column) + static_cast<float>(out.wx) * (1.0f / 128.0f) + radius_px;
   out.y = static_cast<float>(row) + static_cast<float>(out.wy) * (1.0f / 32768.0f) + radius_px;

@@ -21,8 +21,7 @@ inline uint16_t blend_one(const uint8_t* in, int width, int x) {
 }
 
 // Eight outputs from 2 x on. A little-endian pair of bytes is one u16: its low byte is the even
-// pixel and its high byte the odd one, so masking and shifting separate them. Reads in[2 x - 2 .. 2
-// x + 17].
+// pixel and its high byte the odd one. Reads in[2 x - 2 .. 2 x + 17].
 inline uint16x8_t blend_eight(const uint8_t* in, int x) {
   const uint16x8_t low = vdupq_n_u16(255);
   const uint16x8_t before = vreinterpretq_u16_u8(vld1q_u8(in + 2 * x - 2));
