@@ -7,7 +7,7 @@ namespace pirvs {
 void Scheduler::run(int core) {
   while (!stopped_.load(std::memory_order_relaxed)) {
     if (run_first_due(core, Mode::kTimed)) continue;
-    clocks_.relax();
+    machine_.relax();
     forget_idle(core);  // another core may have left something
   }
 }
@@ -35,7 +35,7 @@ TaskCounters Scheduler::counters(size_t i) const {
 }
 
 bool Scheduler::run_first_due(int core, Mode mode) {
-  const TimeNs now = clocks_.now();
+  const TimeNs now = machine_.now();
   for (size_t i = 0; i < count_; ++i) {
     if (!runs_on(tasks_[i], core) || !is_due(i, now, mode)) continue;
     const Step step = execute(i, now);
@@ -71,16 +71,15 @@ bool Scheduler::period_has_come(size_t i, TimeNs now) {
   return true;
 }
 
-Step Scheduler::execute(size_t i, TimeNs now) {
+Step Scheduler::execute(size_t i, TimeNs begin) {
   const Task& task = tasks_[i];
   TaskCounters& counters = states_[i].counters;
-  const TimeNs begin = clocks_.cpu_time();
-  const Step step = task.step(task.context, now);
-  const TimeNs used = clocks_.cpu_time() - begin;
+  const Step step = task.step(task.context, begin);
+  const TimeNs used = machine_.now() - begin;
   ++counters.runs;
   counters.overruns += used > static_cast<TimeNs>(task.budget_us) * 1000;
-  counters.cpu_total += used;
-  counters.cpu_max = std::max(counters.cpu_max, used);
+  counters.busy_total += used;
+  counters.busy_max = std::max(counters.busy_max, used);
   return step;
 }
 

@@ -12,8 +12,7 @@ namespace {
 
 // A clock that moves by what steps spend and by 100 us at rest.
 TimeNs fake_time;
-const Clocks kFakeClocks = {[] { return fake_time; }, [] { return fake_time; },
-                            [] { fake_time += 100'000; }};
+const Machine kFakeMachine = {[] { return fake_time; }, [] { fake_time += 100'000; }};
 
 // A step that writes its letter, spends some time, and has a number of jobs.
 struct Job {
@@ -59,7 +58,7 @@ TEST_F(SchedulerTest, LockstepRestartsAtTheFirstRowAfterEveryJob) {
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0},
                         {"b", Job::step, &b, 0, 10, 1},
                         {"c", Job::step, &c, 50'000, 10, 0}};
-  Scheduler scheduler(tasks, kFakeClocks);
+  Scheduler scheduler(tasks, kFakeMachine);
   scheduler.run_until_idle();
   EXPECT_EQ(Job::log,
             "ab"
@@ -74,7 +73,7 @@ TEST_F(SchedulerTest, LockstepRestartsAtTheFirstRowAfterEveryJob) {
 TEST_F(SchedulerTest, PeriodsAreKeptAndBackgroundFillsTheRest) {
   Job a{'a'}, b{'b', 1'000'000, 5};
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 0, 2'000, 0}};
-  Scheduler scheduler(tasks, kFakeClocks);
+  Scheduler scheduler(tasks, kFakeMachine);
   a.scheduler = &scheduler;
   a.end = 50'000'000;
   scheduler.run(0);
@@ -82,13 +81,13 @@ TEST_F(SchedulerTest, PeriodsAreKeptAndBackgroundFillsTheRest) {
   EXPECT_EQ(scheduler.counters(0).slips, 0u);
   EXPECT_EQ(Job::log.substr(0, 8), "abbbbbab") << "five jobs of 1 ms fit into one period";
   EXPECT_EQ(scheduler.counters(1).overruns, 0u);
-  EXPECT_EQ(scheduler.counters(1).cpu_max, 1'000'000);
+  EXPECT_EQ(scheduler.counters(1).busy_max, 1'000'000);
 }
 
 TEST_F(SchedulerTest, OverrunsAndSlipsAreCounted) {
   Job a{'a'}, b{'b', 12'000'000};
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 40'000, 2'000, 0}};
-  Scheduler scheduler(tasks, kFakeClocks);
+  Scheduler scheduler(tasks, kFakeMachine);
   a.scheduler = &scheduler;
   a.end = 39'000'000;
   scheduler.run(0);
@@ -96,13 +95,13 @@ TEST_F(SchedulerTest, OverrunsAndSlipsAreCounted) {
   EXPECT_EQ(scheduler.counters(0).slips, 1u);
   EXPECT_EQ(scheduler.counters(0).overruns, 0u);
   EXPECT_EQ(scheduler.counters(1).runs, scheduler.counters(1).overruns);
-  EXPECT_EQ(scheduler.counters(1).cpu_total, 12'000'000 * scheduler.counters(1).runs);
+  EXPECT_EQ(scheduler.counters(1).busy_total, 12'000'000 * scheduler.counters(1).runs);
 }
 
 TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
   Job a{'a'};
   const Task tasks[] = {{"a", Job::step, &a, 10'000, 10, 0, true}};
-  Scheduler scheduler(tasks, kFakeClocks);
+  Scheduler scheduler(tasks, kFakeMachine);
   scheduler.run_until_idle();
   EXPECT_EQ(Job::log, "");
   scheduler.trigger(0);
@@ -118,7 +117,7 @@ TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
 TEST_F(SchedulerTest, EachCoreRunsItsOwnRows) {
   Job a{'a'}, b{'b'};
   const Task tasks[] = {{"a", Job::step, &a, 1'000, 10, 0}, {"b", Job::step, &b, 1'000, 10, 1}};
-  Scheduler scheduler(tasks, kFakeClocks);
+  Scheduler scheduler(tasks, kFakeMachine);
   b.scheduler = &scheduler;
   b.end = 3'000'000;
   scheduler.run(1);
@@ -151,13 +150,12 @@ struct Pipe {
 };
 
 TEST_F(SchedulerTest, TheSameTableRunsInLockstepOnOneCoreOrOnTwo) {
-  const Clocks clocks = {[] { return TimeNs{0}; }, [] { return TimeNs{0}; },
-                         [] { std::this_thread::yield(); }};
+  const Machine machine = {[] { return TimeNs{0}; }, [] { std::this_thread::yield(); }};
   for (int way = 0; way < 3; ++way) {
     Pipe pipe;
     const Task tasks[] = {{"produce", Pipe::produce, &pipe, 0, 10, 0},
                           {"consume", Pipe::consume, &pipe, 0, 10, 1}};
-    Scheduler scheduler(tasks, clocks);
+    Scheduler scheduler(tasks, machine);
     pipe.scheduler = &scheduler;
     if (way == 0) scheduler.run_until_idle();
     if (way == 1) scheduler.run(kAllCores);
