@@ -62,15 +62,15 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
-	@grep -hE '^[a-z-]+:.*## ' $(firstword $(MAKEFILE_LIST)) | sed -E 's/^([a-z-]+):.*## /  make \1\t/' \
-	  | expand -t 22
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 22
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test), K=name (bench)"
 
 all: $(OUT)/pirvs ## build the program, build/host/pirvs
 
 SIM := $(BUILD)/run/sim
 SEQ ?= $(SIM)
-run: $(OUT)/pirvs $(if $(filter $(SIM),$(SEQ)),$(SIM).done) ## SLAM on a simulated recording, or SEQ=path to an ASL/EuRoC folder
+SIMULATED := $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+run: $(OUT)/pirvs $(SIMULATED) ## SLAM on a simulated recording, or SEQ=path to an ASL folder
 	@mkdir -p $(BUILD)/run
 	@echo "$(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS)"
 	@status=0; $(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS) || status=$$?; \
@@ -93,14 +93,15 @@ test-unit: $(OUT)/tests ## unit tests alone, sanitizers on
 	UBSAN_OPTIONS=print_stacktrace=1 \
 	  $(OUT)/tests --gtest_brief=1 --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
 
-test-system: $(OUT)/system_tests $(if $(filter test,$(MAKECMDGOALS)),test-unit) ## whole-system replays alone
+ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
+test-system: $(OUT)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	$(OUT)/system_tests --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
 
-check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, tidy, layers, no-heap symbols, function length
+check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
 	@tools/check/run --build $(BUILD) --objects $(OUT)/obj
 
 format: $(BUILD)/setup.stamp ## rewrite every source with clang-format

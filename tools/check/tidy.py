@@ -1,0 +1,101 @@
+"""Names and bugs, by clang-tidy with the repository's .clang-tidy.
+
+A file is read again only when it, a header of ours that it reaches, or the configuration changed:
+the verdict is kept under BUILD/check/tidy by the hash of all of these.
+"""
+import concurrent.futures
+import hashlib
+import json
+import os
+import re
+import subprocess
+from pathlib import Path
+
+FLAGS = ["-std=c++17", "-march=native", "-Wno-everything", "-I.", "-isystem/usr/include/eigen3",
+         "-isystem/usr/include/opencv4", "-DEIGEN_DONT_VECTORIZE",
+         "-DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul", "-DEIGEN_NO_IO"]
+INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
+WARNING = re.compile(r"^(.*?):(\d+):\d+: (?:warning|error): (.*)$")
+
+
+def reached(path, tree, seen=None):
+    """`path` and every header of ours behind it."""
+    seen = set() if seen is None else seen
+    if path in tree and path not in seen:
+        seen.add(path)
+        for header in INCLUDE.findall(tree[path]):
+            reached(header, tree, seen)
+    return seen
+
+
+def verdict_name(path, tree):
+    digest = hashlib.sha256(path.encode() + " ".join(FLAGS).encode())
+    for name in [".clang-tidy", "tools/check/tidy.py", *sorted(reached(path, tree))]:
+        digest.update(f"\0{name}\0{tree.get(name, '')}".encode())
+    return digest.hexdigest()[:24] + ".json"
+
+
+def read_one(path, folder=Path(".")):
+    """Findings of one source; paths in them are relative to the root."""
+    run = subprocess.run(["clang-tidy", "--quiet", path, "--", *FLAGS], cwd=folder,
+                         capture_output=True, text=True)
+    root = str(folder.resolve()) + os.sep
+    found = [WARNING.match(line) for line in run.stdout.splitlines()]
+    findings = [f"{m[1].removeprefix(root)}:{m[2]}: {m[3]}" for m in found if m]
+    if run.returncode and not findings:
+        findings = [f"{path}:1: clang-tidy failed: {(run.stderr or run.stdout).strip()[-200:]}"]
+    return findings
+
+
+def check(tree, options):
+    cache = Path(options.work) / "tidy"
+    cache.mkdir(exist_ok=True)
+    # Tests and benches are left out: the macros of their libraries are not ours to name.
+    sources = [p for p in tree if p.endswith(".cc") and not p.startswith("tests/")
+               and not re.search(r"_(test|bench)\.cc$", p)]
+
+    def verdict(path):
+        kept = cache / verdict_name(path, tree)
+        if not kept.exists():
+            kept.write_text(json.dumps(read_one(path)))
+        kept.touch()
+        return kept.name, json.loads(kept.read_text())
+
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        verdicts = list(pool.map(verdict, sources))
+    current = {name for name, _ in verdicts}
+    for old in cache.glob("*.json"):
+        if old.name not in current:
+            old.unlink(missing_ok=True)
+    # A header is read with every source that includes it: each finding once.
+    return sorted({finding for _, findings in verdicts for finding in findings})
+
+
+def self_test(options):
+    folder = Path(options.work) / "tidy_self_test"
+    folder.mkdir(exist_ok=True)
+    (folder / ".clang-tidy").write_text(Path(".clang-tidy").read_text())
+    bad = {
+        "a function BadName": "void BadName() {}",
+        "a variable badName": "int f() { int badName = 1; return badName; }",
+        "a type bad_type": "struct bad_type {};",
+        "a member without its _": "class A { public: int f() { return x; } private: int x = 0; };",
+        "a constant without its k": "constexpr int kelvin_max = 3; constexpr int Max = 4;",
+        "use after move": "#include <utility>\nstruct S { S(S&&); int x; };\nvoid g(S);\n"
+                          "int f(S s) { g(std::move(s)); return s.x; }",
+        "integer division": "double f(int a) { return 0.5 * (a / 2); }",
+    }
+    good = ("struct SE3 { int R_WB = 0; };\nconstexpr int kTracksMax = 4;\n"
+            "constexpr unsigned kImuFifo_us = 10;\nenum class Gate { kChi2 };\n"
+            "int f(int R_WB, int T_BC0, int p_WL, int w_B) {\n"
+            "  const int J_p = 1;\n  const int H_xx = 2;\n  const int R_C1C0 = 3;\n"
+            "  return R_WB + T_BC0 + p_WL + w_B + J_p + H_xx + R_C1C0;\n}\n")
+    cases = {**bad, "good": good}
+    paths = {}
+    for number, (what, text) in enumerate(cases.items()):
+        paths[what] = f"case_{number}.cc"
+        (folder / paths[what]).write_text(text + "\n")
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = dict(zip(paths, pool.map(lambda p: read_one(p, folder), paths.values())))
+    blind = [what for what in bad if not found[what]]
+    return blind + [f"that this is fine: {finding}" for finding in found["good"]]
