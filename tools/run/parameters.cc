@@ -41,7 +41,7 @@ void set_parameter(AppParams& params, const std::string& assignment) {
       ++found;
       if (set_param(values, rows, row.name, value) == Status::kOk) continue;
       char range[96];
-      std::snprintf(range, sizeof range, "choose %g to %g %s", row.min, row.max, row.unit);
+      std::snprintf(range, sizeof range, "choose %g to %g", row.min, row.max);
       throw InputError("out of range", "--set " + assignment, range);
     }
   });

@@ -10,6 +10,7 @@
 #include "tools/cli/progress.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/player.h"
+#include "tools/report/report.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
 
@@ -91,6 +92,7 @@ int run(const Options& options, const std::string& command) {
   result.wall_s = wall.count();
   const RunInfo info = {command, options.sequence, source_revision(), options.cores};
   write_run_files(options.out, info, recording, log, result, rejected);
+  write_file(options.out + "/report.html", make_report(info, recording, log, result, rejected));
   print_result(options, result);
   if (!result.done) std::fprintf(stderr, "pirvs: tracking was lost at the end\n");
   return result.exit_status();
