@@ -66,7 +66,7 @@ def check(tree, options):
             for first, last in functions(text):
                 lines = last - first + 1
                 if lines > LINES_MAX:
-                    findings.append(f"{path}:{first}: function of {lines} lines, at most {LINES_MAX}")
+                    findings.append(f"{path}:{first}: {lines} lines, at most {LINES_MAX}")
     return findings
 
 
