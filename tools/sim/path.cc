@@ -70,7 +70,9 @@ Path Path::flight(uint64_t seed, double rest_s, double duration_s, const Mat3& R
   Vec3 jitter_p = Vec3::Zero();
   Vec3 jitter_r = Vec3::Zero();
   for (int k = 0; k < count; ++k) {
-    const double t_s = std::max(0.0, (k - kDegree / 2) * path.spacing_s_ - rest_s);
+    // A knot moves the path up to three knots before it: rest is rest to the end.
+    const double still_s = rest_s > 0 ? rest_s + 2.5 * path.spacing_s_ : 0;
+    const double t_s = std::max(0.0, (k - kDegree / 2) * path.spacing_s_ - still_s);
     const double s = t_s < kRamp_s ? t_s * t_s / (2 * kRamp_s) : t_s - kRamp_s / 2;
     for (int i = 0; i < 3 && t_s > 0; ++i) {
       jitter_p[i] = kJitter_m * random.normal();

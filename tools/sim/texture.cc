@@ -19,19 +19,22 @@ float smooth(float t) { return t * t * (3 - 2 * t); }
 
 // Adds periodic value noise of cells_x x cells_y cells, range +-amplitude.
 void add_noise(Canvas& canvas, uint64_t seed, int cells_x, int cells_y, float amplitude) {
+  std::vector<float> row(size_t(cells_x) + 1);  // the lattice at one y
   for (int y = 0; y < kSize; ++y) {
     const float fy = float(y) * float(cells_y) / kSize;
     const int y0 = int(fy);
-    const int y1 = (y0 + 1) % cells_y;
     const float ay = smooth(fy - float(y0));
+    for (int c = 0; c <= cells_x; ++c) {
+      const float top = hash01(seed, c % cells_x, y0);
+      const float bottom = hash01(seed, c % cells_x, (y0 + 1) % cells_y);
+      row[size_t(c)] = 2 * (top + ay * (bottom - top)) - 1;
+    }
+    float* const out = canvas.data() + size_t(y) * kSize;
     for (int x = 0; x < kSize; ++x) {
       const float fx = float(x) * float(cells_x) / kSize;
       const int x0 = int(fx);
-      const int x1 = (x0 + 1) % cells_x;
       const float ax = smooth(fx - float(x0));
-      const float top = hash01(seed, x0, y0) * (1 - ax) + hash01(seed, x1, y0) * ax;
-      const float bottom = hash01(seed, x0, y1) * (1 - ax) + hash01(seed, x1, y1) * ax;
-      canvas[size_t(y) * kSize + size_t(x)] += amplitude * (2 * (top * (1 - ay) + bottom * ay) - 1);
+      out[x] += amplitude * (row[size_t(x0)] + ax * (row[size_t(x0) + 1] - row[size_t(x0)]));
     }
   }
 }
