@@ -41,29 +41,6 @@ inline int16x8_t subtract_bytes(const uint8_t* a, const uint8_t* b) {
 #endif
 }
 
-// a[i] * weight_a + b[i] * weight_b for eight bytes; must fit u16. Weights 0..255, in all lanes.
-inline uint16x8_t blend_bytes(const uint8_t* a, uint16x8_t weight_a, const uint8_t* b,
-                              uint16x8_t weight_b) {
-#if defined(__SSE4_1__)
-  return simde_uint16x8_from_m128i(
-      _mm_add_epi16(_mm_mullo_epi16(load_eight(a), simde_uint16x8_to_m128i(weight_a)),
-                    _mm_mullo_epi16(load_eight(b), simde_uint16x8_to_m128i(weight_b))));
-#else
-  return vmlal_u8(vmull_u8(vld1_u8(a), vmovn_u16(weight_a)), vld1_u8(b), vmovn_u16(weight_b));
-#endif
-}
-
-// (2 a b + 2^15) >> 16: vqrdmulhq_s16 where a and b are not both -32768. SIMDe's spends two more
-// instructions on that case, and gets it wrong.
-inline int16x8_t multiply_q15(int16x8_t a, int16x8_t b) {
-#if defined(__SSSE3__)
-  return simde_int16x8_from_m128i(
-      _mm_mulhrs_epi16(simde_int16x8_to_m128i(a), simde_int16x8_to_m128i(b)));
-#else
-  return vqrdmulhq_s16(a, b);
-#endif
-}
-
 // The low bytes of a, which must be below 256.
 inline uint8x8_t narrow(uint16x8_t a) {
 #if defined(__SSE2__)

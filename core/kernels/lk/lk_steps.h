@@ -98,7 +98,7 @@ bool align(const ImageView& im, const LkPatch& patch, float& x, float& y, int it
            float step_min_px, float& residual_grey) {
   PIRVS_ASSERT(patch.usable);
   PIRVS_ASSERT(iterations_max >= 1);
-  alignas(16) int16_t d[kPixels];
+  alignas(32) int16_t d[kPixels];
   DifferenceSums sums;
   float at_x = x - patch.x_rest_px, at_y = y - patch.y_rest_px;
   for (int i = 0; i < iterations_max; ++i) {
