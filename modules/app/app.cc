@@ -22,9 +22,10 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   for (int c = 0; c < kCamerasMax; ++c) {
     frontend_[c].configure(calibration.camera[c], params.frontend);
   }
-  tracker_.configure(calibration.camera, calibration.imu, params.tracking, &keyframe_ring_,
+  const ImuNoise noise = scaled(calibration.imu, params.imu);
+  tracker_.configure(calibration.camera, noise, params.tracking, &keyframe_ring_,
                      &map_mailbox_);
-  mapper_.configure(calibration.camera, calibration.imu, params.mapping, &keyframe_ring_,
+  mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_,
                     &map_mailbox_);
   mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
 }

@@ -14,6 +14,7 @@
 #include "modules/app/calibration.h"
 #include "modules/app/door.h"
 #include "modules/frontend/frontend.h"
+#include "modules/imu/imu_params.h"
 #include "modules/mapping/mapper.h"
 #include "modules/tracking/tracker.h"
 
@@ -44,6 +45,7 @@ struct AppSinks {
 };
 
 struct AppParams {
+  ImuParams imu;
   FrontendParams frontend;
   TrackingParams tracking;
   MappingParams mapping;

@@ -55,7 +55,7 @@ void Bundle::place_cameras(Frame& frame, const BodyState& state) const {
 
 void Bundle::link(int from, int to, const Preintegration& motion) {
   const bool added =
-      links_.push_back(make_link(from, to, motion, noise_, params_.imu_noise_scale));
+      links_.push_back(make_link(from, to, motion, noise_));
   PIRVS_ASSERT(added);  // one per free frame
 }
 
@@ -259,7 +259,7 @@ void Bundle::solve() {
     if (iteration_ >= static_cast<int>(params_.iterations_max)) phase_ = Phase::kDone;
     return;
   }
-  newest_cov_ = information.llt().solve(Mat15::Identity());
+  trial_cov_ = information.llt().solve(Mat15::Identity());
   apply(delta_);
   cost_trial_ = evaluate_links();
   next_point_ = 0;
@@ -315,6 +315,7 @@ void Bundle::judge() {
     ++accepted_;
     const bool converged = cost_ - cost_trial_ < 1e-3 * cost_;
     cost_ = cost_trial_;
+    newest_cov_ = trial_cov_;
     for (Frame& frame : frames_) frame.state = frame.trial;
     for (Point& point : points_) point.p_W = point.trial;
     lambda_ = std::max(1e-7, lambda_ * 0.1);

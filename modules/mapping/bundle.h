@@ -104,7 +104,7 @@ class Bundle {
   size_t next_point_ = 0;
   int iteration_ = 0, accepted_ = 0;
   double lambda_ = 1e-4, cost_ = 0, cost_before_ = 0, cost_trial_ = 0;
-  Mat15 newest_cov_ = Mat15::Identity();
+  Mat15 newest_cov_ = Mat15::Identity(), trial_cov_ = Mat15::Identity();
   double S_[kUnknownsMax * kUnknownsMax];
   double S_damped_[kUnknownsMax * kUnknownsMax];
   double b_[kUnknownsMax];

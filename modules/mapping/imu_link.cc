@@ -14,13 +14,12 @@ const Vec3 kGravity_W(0, 0, -kGravity_m_s2);
 
 }  // namespace
 
-ImuLink make_link(int from, int to, const Preintegration& motion, const ImuNoise& noise,
-                  double noise_scale) {
+ImuLink make_link(int from, int to, const Preintegration& motion, const ImuNoise& noise) {
   ImuLink link;
   link.from = from;
   link.to = to;
   link.motion = motion;
-  Mat9 cov = motion.cov * (noise_scale * noise_scale);
+  Mat9 cov = motion.cov;
   // Discretization and unmodelled vibration: a floor far below what matters, so that it inverts.
   cov.diagonal().array() += 1e-12;
   link.information = cov.llt().solve(Mat9::Identity());

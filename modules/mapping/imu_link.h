@@ -17,8 +17,7 @@ struct ImuLink {
   double walk_g = 0, walk_a = 0;  // 1 / variance of the bias steps
 };
 
-ImuLink make_link(int from, int to, const Preintegration& motion, const ImuNoise& noise,
-                  double noise_scale);
+ImuLink make_link(int from, int to, const Preintegration& motion, const ImuNoise& noise);
 Vec15 link_residual(const ImuLink& link, const BodyState& a, const BodyState& b);
 void link_jacobians(const ImuLink& link, const BodyState& a, const BodyState& b, Mat15& J_a,
                     Mat15& J_b);

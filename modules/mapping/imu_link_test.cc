@@ -118,7 +118,7 @@ TEST(imu_link, jacobians_match_numeric) {
     b.T_WB.R = a.T_WB.R * m.dR * so3_exp(random.vec(0.02));
     b.T_WB.p = a.T_WB.p + a.v_WB * dt + 0.5 * dt * dt * g + a.T_WB.R * m.dp + random.vec(0.02);
     b.v_WB = a.v_WB + g * dt + a.T_WB.R * m.dv + random.vec(0.02);
-    const ImuLink link = make_link(0, 1, motion, ImuNoise{}, 1.0);
+    const ImuLink link = make_link(0, 1, motion, ImuNoise{});
     Mat15 J_a, J_b;
     link_jacobians(link, a, b, J_a, J_b);
     const double h = 1e-6;

@@ -351,8 +351,8 @@ void Mapper::finish() {
   } else {
     write_back();
     remove_outliers();
+    newest_cov_ = bundle_.newest_cov();
   }
-  newest_cov_ = bundle_.newest_cov();
   remove_weak_points();
   publish();
 }

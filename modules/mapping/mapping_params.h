@@ -15,7 +15,6 @@ struct MappingParams {
   float sigma_px = 1.0f;
   float huber_sigma = 1.5f;
   float outlier_sigma = 3.0f;
-  float imu_noise_scale = 1.0f;
   float parallax_rad_min = 0.02f;
   float stereo_parallax_rad_min = 0.004f;
   float new_point_residual_px = 2.0f;
@@ -38,8 +37,6 @@ inline constexpr ParamRow<MappingParams> kMappingRows[] = {
      "where the robust cost becomes linear"},
     {"outlier_sigma", &MappingParams::outlier_sigma, 1, 20, "sigma",
      "observations worse than this leave the map"},
-    {"imu_noise_scale", &MappingParams::imu_noise_scale, 0.1f, 20, "1",
-     "times the calibrated white noise"},
     {"parallax_rad_min", &MappingParams::parallax_rad_min, 0.001f, 0.5f, "rad",
      "smallest angle between rays of a point triangulated over time"},
     {"stereo_parallax_rad_min", &MappingParams::stereo_parallax_rad_min, 0.001f, 0.5f, "rad",

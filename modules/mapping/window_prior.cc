@@ -1,6 +1,7 @@
 #include "modules/mapping/window_prior.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include "core/math/so3.h"
 #include "modules/tracking/filter.h"
@@ -10,9 +11,15 @@ namespace {
 
 double information(double sigma) { return 1.0 / (sigma * sigma); }
 
-// Vision's relative pose of b in a, at the states it was refined to: zero residual.
+struct Pair {
+  Mat15 H_aa, H_ab, H_bb;
+  Vec15 g_a, g_b;
+};
+
+// Vision's relative pose of b in a. Its residual is the one that keeps both where the adjustment
+// left them: there, vision balanced what the IMU and the prior wanted of a's pose.
 void add_relative_pose(const BodyState& a, const BodyState& b, const MappingParams& params,
-                       Mat15& H_aa, Mat15& H_ab, Mat15& H_bb) {
+                       Pair& pair) {
   Mat6 J_a = Mat6::Zero(), J_b = Mat6::Zero();
   const Mat3 R_aW = a.T_WB.R.transpose();
   J_a.block<3, 3>(0, 0) = -b.T_WB.R.transpose() * a.T_WB.R;
@@ -24,9 +31,13 @@ void add_relative_pose(const BodyState& a, const BodyState& b, const MappingPara
   weight.head<3>().setConstant(information(params.prior_sigma_rad));
   weight.tail<3>().setConstant(information(params.prior_sigma_m));
   const Mat6 W = weight.asDiagonal();
-  H_aa.topLeftCorner<6, 6>() += J_a.transpose() * W * J_a;
-  H_ab.topLeftCorner<6, 6>() += J_a.transpose() * W * J_b;
-  H_bb.topLeftCorner<6, 6>() += J_b.transpose() * W * J_b;
+  pair.H_aa.topLeftCorner<6, 6>() += J_a.transpose() * W * J_a;
+  pair.H_ab.topLeftCorner<6, 6>() += J_a.transpose() * W * J_b;
+  pair.H_bb.topLeftCorner<6, 6>() += J_b.transpose() * W * J_b;
+  const Mat6 J_a_transposed = J_a.transpose();
+  const Vec6 Wr = J_a_transposed.partialPivLu().solve(pair.g_a.head<6>());
+  pair.g_a.head<6>().setZero();
+  pair.g_b.head<6>() -= J_b.transpose() * Wr;
 }
 
 }  // namespace
@@ -59,24 +70,24 @@ WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t seque
     next.information.block<6, 6>(9, 9) = prior.information.block<6, 6>(9, 9);
     return next;
   }
-  Mat15 H_aa = prior.information, H_ab = Mat15::Zero(), H_bb = Mat15::Zero();
-  Vec15 g_a = prior.gradient - prior.information * boxminus(a, prior.mean);
-  const ImuLink link = make_link(0, 1, *motion, noise, params.imu_noise_scale);
+  Pair pair{prior.information, Mat15::Zero(), Mat15::Zero(),
+            prior.gradient - prior.information * boxminus(a, prior.mean), Vec15::Zero()};
+  const ImuLink link = make_link(0, 1, *motion, noise);
   const Vec15 Wr = weigh(link, link_residual(link, a, b));
   Mat15 J_a, J_b;
   link_jacobians(link, a, b, J_a, J_b);
-  H_aa += J_a.transpose() * weigh(link, J_a);
+  pair.H_aa += J_a.transpose() * weigh(link, J_a);
   const Mat15 WJ_b = weigh(link, J_b);
-  H_ab += J_a.transpose() * WJ_b;
-  H_bb += J_b.transpose() * WJ_b;
-  g_a -= J_a.transpose() * Wr;
-  const Vec15 g_b = -J_b.transpose() * Wr;
-  add_relative_pose(a, b, params, H_aa, H_ab, H_bb);
+  pair.H_ab += J_a.transpose() * WJ_b;
+  pair.H_bb += J_b.transpose() * WJ_b;
+  pair.g_a -= J_a.transpose() * Wr;
+  pair.g_b -= J_b.transpose() * Wr;
+  add_relative_pose(a, b, params, pair);
 
-  const Eigen::LDLT<Mat15> H_aa_solver(H_aa);
-  next.information = H_bb - H_ab.transpose() * H_aa_solver.solve(H_ab);
+  const Eigen::LDLT<Mat15> H_aa_solver(pair.H_aa);
+  next.information = pair.H_bb - pair.H_ab.transpose() * H_aa_solver.solve(pair.H_ab);
   next.information = (0.5 * (next.information + next.information.transpose())).eval();
-  next.gradient = g_b - H_ab.transpose() * H_aa_solver.solve(g_a);
+  next.gradient = pair.g_b - pair.H_ab.transpose() * H_aa_solver.solve(pair.g_a);
   return next;
 }
 

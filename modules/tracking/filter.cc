@@ -86,11 +86,10 @@ void Filter::propagate(const ImuSample& sample) {
   F.block<3, 3>(kVel, kBa) = da_dba * dt;
   const Mat15 FP = F * cov_;
   cov_.noalias() = FP * F.transpose();
-  const double s2 = params_.imu_noise_scale * params_.imu_noise_scale;
   const auto square = [](double x) { return x * x; };
-  cov_.diagonal().segment<3>(kTheta).array() += s2 * square(noise_.gyro_noise) * dt;
-  cov_.diagonal().segment<3>(kVel).array() += s2 * square(noise_.accel_noise) * dt;
-  cov_.diagonal().segment<3>(kPos).array() += 0.25 * s2 * square(noise_.accel_noise * dt) * dt;
+  cov_.diagonal().segment<3>(kTheta).array() += square(noise_.gyro_noise) * dt;
+  cov_.diagonal().segment<3>(kVel).array() += square(noise_.accel_noise) * dt;
+  cov_.diagonal().segment<3>(kPos).array() += 0.25 * square(noise_.accel_noise * dt) * dt;
   cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
   cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();

@@ -12,7 +12,6 @@ struct FilterParams {
   float chi2_max = 9.21f;
   float huber_sigma = 2.0f;
   float iterations_max = 3.0f;
-  float imu_noise_scale = 1.0f;
   float point_cov_scale = 1.0f;
   float standstill_sigma_m_s = 0.005f;
   float standstill_sigma_rad_s = 0.002f;
@@ -23,8 +22,6 @@ inline constexpr ParamRow<FilterParams> kFilterRows[] = {
     {"chi2_max", &FilterParams::chi2_max, 1, 100, "1", "gate of a correspondence (2 dof; 9.21: 99 %)"},
     {"huber_sigma", &FilterParams::huber_sigma, 0.5f, 10, "sigma", "where the robust weight begins"},
     {"iterations_max", &FilterParams::iterations_max, 1, 10, "1", "iterations of the update"},
-    {"imu_noise_scale", &FilterParams::imu_noise_scale, 0.1f, 20, "1",
-     "times the calibrated white noise"},
     {"point_cov_scale", &FilterParams::point_cov_scale, 0, 100, "1",
      "times the map points' own covariance"},
     {"standstill_sigma_m_s", &FilterParams::standstill_sigma_m_s, 1e-4f, 1, "m/s",
