@@ -7,8 +7,7 @@
 // Errors  Older events are overwritten. Read when the other cores are at rest: a scope that ends
 //         meanwhile may be seen half written.
 // Cost    Two clock readings and five atomic operations a scope, 90 ns on x86-64 Linux with
-//         bsp::now; one load before trace_start. Always compiled in: not for what takes below 10
-//         us.
+//         bsp::now; one load before trace_start. Always compiled in; not for jobs below 10 us.
 // Source  STYLE principle 10: the clock comes in as an argument.
 #pragma once
 
