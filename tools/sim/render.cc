@@ -75,13 +75,14 @@ void Renderer::make_tiles() {
   }
 }
 
-// One sub-image per pixel that the picture moves while the shutter is open.
+// One sub-image per kStep_px that the picture moves while the shutter is open.
 int Renderer::sub_images(const Exposure& exposure) const {
   constexpr double kTypicalDistance_m = 2.5;
+  constexpr double kStep_px = 1.5;
   const PathState state = path_.at(exposure.t_s);
   const double rate = state.w_B.norm() + state.v_WB.norm() / kTypicalDistance_m;
   const double smear_px = rate * exposure.length_s * camera_.fx;
-  return std::clamp(int(std::ceil(smear_px)), 1, std::max(1, exposure.sub_images_max));
+  return std::clamp(int(std::ceil(smear_px / kStep_px)), 1, std::max(1, exposure.sub_images_max));
 }
 
 void Renderer::render(const Exposure& exposure, std::vector<uint8_t>& image) {
