@@ -41,7 +41,7 @@ def read_one(path, folder=Path(".")):
                          capture_output=True, text=True)
     root = str(folder.resolve()) + os.sep
     found = [WARNING.match(line) for line in run.stdout.splitlines()]
-    findings = [f"{m[1].removeprefix(root)}:{m[2]}: {m[3]}" for m in found if m]
+    findings = [f"{os.path.normpath(m[1].removeprefix(root))}:{m[2]}: {m[3]}" for m in found if m]
     if run.returncode and not findings:
         findings = [f"{path}:1: clang-tidy failed: {(run.stderr or run.stdout).strip()[-200:]}"]
     return findings
@@ -88,8 +88,8 @@ def self_test(options):
     good = ("struct SE3 { int R_WB = 0; };\nconstexpr int kTracksMax = 4;\n"
             "constexpr unsigned kImuFifo_us = 10;\nenum class Gate { kChi2 };\n"
             "int f(int R_WB, int T_BC0, int p_WL, int w_B) {\n"
-            "  const int J_p = 1;\n  const int H_xx = 2;\n  const int R_C1C0 = 3;\n"
-            "  return R_WB + T_BC0 + p_WL + w_B + J_p + H_xx + R_C1C0;\n}\n")
+            "  const int J_p = 1;\n  const int Jr = 2;\n  const int R_C1C0 = 3, R_aW = 4;\n"
+            "  return R_WB + T_BC0 + p_WL + w_B + J_p + Jr + R_C1C0 + R_aW;\n}\n")
     cases = {**bad, "good": good}
     paths = {}
     for number, (what, text) in enumerate(cases.items()):
