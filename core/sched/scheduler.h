@@ -1,6 +1,5 @@
 // Cooperative scheduler: after each step the first due row of the table runs.
-// In      A table of tasks in order of priority; a clock and what to do at rest, both the
-// machine's;
+// In      A table of tasks in order of priority; the machine's clock and what to do at rest;
 //         trigger() from any core.
 // Out     Steps run to completion on the core of their row; counters per task.
 //         run(core): the rows of one core, by time, until stop(), which is for good; kAllCores
