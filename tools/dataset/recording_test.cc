@@ -27,7 +27,7 @@ std::string error_of(const std::string& folder, const RecordingOptions& options 
   return "";
 }
 
-#define EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
+#define PIRVS_EXPECT_SAYS(text, part) EXPECT_NE((text).find(part), std::string::npos) << (text)
 
 TEST(recording, reads_an_asl_folder) {
   const TestRecording disk;
@@ -63,7 +63,7 @@ TEST(recording, cuts_out_a_part) {
   EXPECT_LE(recording.imu.front().t, recording.frames.front().t);
   EXPECT_GE(recording.imu.back().t, recording.frames.back().t);
   options.start_s = 100;
-  EXPECT_SAYS(error_of(disk.folder(), options), "no frames");
+  PIRVS_EXPECT_SAYS(error_of(disk.folder(), options), "no frames");
 }
 
 TEST(recording, says_which_file_is_missing) {
@@ -71,10 +71,10 @@ TEST(recording, says_which_file_is_missing) {
                            "cam0/data.csv", "cam1/data.csv", "imu0/data.csv"}) {
     const TestRecording disk;
     std::filesystem::remove(disk.path(file));
-    EXPECT_SAYS(error_of(disk.folder()), file);
+    PIRVS_EXPECT_SAYS(error_of(disk.folder()), file);
   }
-  EXPECT_SAYS(error_of("/nowhere"), "no such recording");
-  EXPECT_SAYS(error_of("/"), "no cam0");
+  PIRVS_EXPECT_SAYS(error_of("/nowhere"), "no such recording");
+  PIRVS_EXPECT_SAYS(error_of("/"), "no cam0");
 }
 
 TEST(recording, mono_and_no_truth_are_fine) {
@@ -106,10 +106,10 @@ TEST(recording, a_last_line_cut_off_is_counted) {
 TEST(recording, a_bad_line_in_the_middle_is_named) {
   const TestRecording disk;
   disk.replace("imu0/data.csv", "980000000,0.01,", "980000000,zero,");
-  EXPECT_SAYS(error_of(disk.folder()), "imu0/data.csv line 2");
+  PIRVS_EXPECT_SAYS(error_of(disk.folder()), "imu0/data.csv line 2");
   const TestRecording truth;
   truth.replace("state_groundtruth_estimate0/data.csv", ",0,0,1,0,0,0\n", ",0,nan,1,0,0,0\n");
-  EXPECT_SAYS(error_of(truth.folder()), "not finite");
+  PIRVS_EXPECT_SAYS(error_of(truth.folder()), "not finite");
 }
 
 TEST(recording, nan_and_time_running_back_are_counted) {
@@ -152,7 +152,7 @@ TEST(recording, bad_calibrations_are_named) {
     const TestRecording disk;
     disk.replace("cam0/sensor.yaml", from, to);
     disk.replace("cam1/sensor.yaml", from, to);
-    EXPECT_SAYS(error_of(disk.folder()), says);
+    PIRVS_EXPECT_SAYS(error_of(disk.folder()), says);
   }
 }
 
@@ -248,7 +248,7 @@ TEST(player, no_image_at_all_is_an_error) {
   const TestRecording disk;
   std::filesystem::remove_all(disk.path("cam0/data"));
   std::filesystem::remove_all(disk.path("cam1/data"));
-  EXPECT_SAYS(error_of(disk.folder()), "no image can be read");
+  PIRVS_EXPECT_SAYS(error_of(disk.folder()), "no image can be read");
 }
 
 }  // namespace
