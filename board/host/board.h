@@ -8,6 +8,7 @@
 
 #include "bsp/api/cores.h"
 #include "core/base/limits.h"
+#include "modules/app/app.h"
 
 namespace pirvs::board {
 
@@ -15,12 +16,15 @@ inline constexpr int kImageWidth = 752;
 inline constexpr int kImageHeight = 480;
 inline constexpr int kCameras = 2;
 
-// Which core runs what when there are several: left image, right image, mapping. Tracking and the
-// sensor door share the first core, since each waits for the other's result.
-inline constexpr int kCoreLeft = 0;
-inline constexpr int kCoreRight = 1;
-inline constexpr int kCoreMapping = 2;
+// Which core runs what, by the number of cores. Tracking and the sensor door share the first, since
+// each waits for the other's result.
 inline constexpr int kCores = 3;
+inline constexpr CorePlan kPlans[kCores] = {
+    // cores door left right tracking mapping
+    {1, 0, 0, 0, 0, 0},
+    {2, 0, 0, 1, 0, 1},
+    {3, 0, 0, 1, 0, 2},
+};
 
 static_assert(kImageWidth <= kImageWidthMax && kImageHeight <= kImageHeightMax);
 static_assert(kCameras <= kCamerasMax);

@@ -5,6 +5,7 @@
 
 #include "bsp/api/clock.h"
 #include "bsp/api/cores.h"
+#include "core/trace/trace.h"
 
 namespace pirvs {
 namespace {
@@ -53,22 +54,33 @@ void App::begin_frame(const DoorFrame& frame) {
   for (auto& todo : frontend_todo_) todo.store(true, std::memory_order_release);
 }
 
-bool App::door_step() {
-  if (stage_.load(std::memory_order_acquire) != Stage::kFree) return false;
+bool App::world_waits(TimeNs t) const {
+  if (pace_ == Pace::kSensors) return false;
+  if (mapper_.finished() == tracker_.sent()) return false;
+  return plan_.cores == 1 || t - mapping_pending_t_ > kMappingLag_ns;
+}
+
+Step App::door_step() {
+  if (stage_.load(std::memory_order_acquire) != Stage::kFree) return Step::kIdle;
+  if (mapper_.finished() == tracker_.sent()) mapping_pending_t_ = door_t_;
+  if (world_waits(door_t_)) return Step::kIdle;
   DoorItem item;
   const Status status = door_.next(item);
-  if (status == Status::kStale) ended_ = true;
-  if (status != Status::kOk) return false;
+  if (status == Status::kStale && mapper_.finished() == tracker_.sent()) scheduler_->stop();
+  if (status != Status::kOk) return Step::kIdle;
+  door_t_ = item.is_frame ? item.frame.t : item.imu.t;
   if (item.is_frame) {
+    PIRVS_TRACE("door.frame");
     begin_frame(item.frame);
   } else {
     deliver(item.imu);
   }
-  return true;
+  return Step::kAgain;
 }
 
-bool App::frontend_step(int c) {
-  if (!frontend_todo_[c].load(std::memory_order_acquire)) return false;
+Step App::frontend_step(int c) {
+  if (!frontend_todo_[c].load(std::memory_order_acquire)) return Step::kIdle;
+  PIRVS_TRACE("frontend");
   const TimeNs begin = bsp::cpu_time();
   if ((frame_.images.present >> c & 1) != 0) {
     const Vec3 gravity_C = calibration_.camera[c].T_BC.R.transpose() * gravity_B_;
@@ -77,11 +89,12 @@ bool App::frontend_step(int c) {
   frontend_ns_[c].store(bsp::cpu_time() - begin);
   frontend_todo_[c].store(false, std::memory_order_relaxed);
   if (frontends_left_.fetch_sub(1) == 1) stage_.store(Stage::kTracking, std::memory_order_release);
-  return true;
+  return Step::kAgain;
 }
 
-bool App::tracking_step() {
-  if (stage_.load(std::memory_order_acquire) != Stage::kTracking) return false;
+Step App::tracking_step() {
+  if (stage_.load(std::memory_order_acquire) != Stage::kTracking) return Step::kIdle;
+  PIRVS_TRACE("tracking");
   const TimeNs begin = bsp::cpu_time();
   tracker_.match(frontend_);
   const TimeNs matched = bsp::cpu_time();
@@ -111,14 +124,16 @@ bool App::tracking_step() {
   }
   door_.release();
   stage_.store(Stage::kFree, std::memory_order_release);
-  return true;
+  return Step::kAgain;
 }
 
-bool App::mapping_step() {
+Step App::mapping_step() {
+  if (!mapper_.busy()) return Step::kIdle;
+  PIRVS_TRACE("mapping");
   const TimeNs begin = bsp::cpu_time();
-  const bool more = mapper_.step();
-  if (more) mapping_ns_ += bsp::cpu_time() - begin;
-  return more;
+  mapper_.step();
+  mapping_ns_ += bsp::cpu_time() - begin;
+  return Step::kAgain;
 }
 
 // A frame is reported when the next one begins, so that mapping's share of the time is known.
@@ -131,12 +146,45 @@ void App::flush_report() {
   if (sinks_.frame != nullptr) sinks_.frame(sinks_.context, report_);
 }
 
-Status App::run(int cores) {
-  (void)cores;
-  while (!ended_) {
-    if (mapping_step()) continue;
-    if (tracking_step() || frontend_step(0) || frontend_step(1) || door_step()) continue;
+Status App::run(const CorePlan& plan, Pace pace) {
+  plan_ = plan;
+  pace_ = pace;
+  // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
+  const Task tasks[kTasks] = {
+      // name         step                                              context  period  budget  core
+      {"door", [](void* a, TimeNs) { return static_cast<App*>(a)->door_step(); }, this, 0, 200,
+       plan.door},
+      {"left", [](void* a, TimeNs) { return static_cast<App*>(a)->frontend_step(0); }, this, 0,
+       6'000, plan.left},
+      {"right", [](void* a, TimeNs) { return static_cast<App*>(a)->frontend_step(1); }, this, 0,
+       6'000, plan.right},
+      {"tracking", [](void* a, TimeNs) { return static_cast<App*>(a)->tracking_step(); }, this, 0,
+       4'000, plan.tracking},
+      {"mapping", [](void* a, TimeNs) { return static_cast<App*>(a)->mapping_step(); }, this, 0,
+       2'000, plan.mapping},
+  };
+  Scheduler scheduler(tasks, {bsp::now, bsp::relax});
+  scheduler_ = &scheduler;
+  if (plan.cores == 1 && pace == Pace::kAsWeGo) {
+    scheduler.run_until_idle();
+  } else {
+    struct Core {
+      Scheduler* scheduler;
+      int index;
+    } cores[bsp::kCoresMax];
+    for (int i = 1; i < plan.cores; ++i) {
+      cores[i] = {&scheduler, i};
+      const auto entry = [](void* c) {
+        const Core& core = *static_cast<Core*>(c);
+        core.scheduler->run(core.index);
+      };
+      if (bsp::start_core(i, entry, &cores[i]) != Status::kOk) return Status::kBusFault;
+    }
+    scheduler.run(0);
+    bsp::join_cores();
   }
+  scheduler_ = nullptr;
+  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler.counters(static_cast<size_t>(i));
   flush_report();
   return tracker_.running() ? Status::kOk : Status::kBadData;
 }
@@ -172,6 +220,10 @@ int App::counters(NamedValue* out, int max) const {
   for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
     add(name(static_cast<Gate>(i)), t.gates[i]);
   }
+  static constexpr const char* kOverruns[kTasks] = {"overruns_door", "overruns_left",
+                                                    "overruns_right", "overruns_tracking",
+                                                    "overruns_mapping"};
+  for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
   add("frames", t.frames);
   add("frames_with_pose", t.frames_with_pose);
   add("starts", t.starts);

@@ -11,6 +11,7 @@
 
 #include "bsp/api/camera.h"
 #include "core/base/status.h"
+#include "core/sched/scheduler.h"
 #include "modules/app/calibration.h"
 #include "modules/app/door.h"
 #include "modules/frontend/frontend.h"
@@ -51,17 +52,31 @@ struct AppParams {
   MappingParams mapping;
 };
 
+// The farthest that a replay as fast as possible runs ahead of mapping: what a device whose mapping
+// needs two frames for a keyframe would see.
+inline constexpr TimeNs kMappingLag_ns = 100'000'000;
+
 struct NamedValue {
   const char* name;
   uint64_t value;
 };
 
+// Which core runs what. On one core all tasks interleave.
+struct CorePlan {
+  uint8_t cores = 1;
+  uint8_t door = 0, left = 0, right = 0, tracking = 0, mapping = 0;
+};
+
+// How fast the recording may come. Live sensors and real-time replay never wait for us.
+enum class Pace : uint8_t { kSensors, kAsWeGo };
+
 class App {
  public:
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
-  // Runs until the sensors end, with every task on the given number of cores (1: lockstep,
-  // deterministic).
-  Status run(int cores);
+  // Runs until the sensors end. kAsWeGo on one core is lockstep: the next sample comes when nothing
+  // is left to do, so that the same input gives the same bytes; on several, mapping may lag by at
+  // most kMappingLag_ns of sensor time.
+  Status run(const CorePlan& plan, Pace pace);
 
   const Map& map() const { return mapper_.map(); }
   // Every counter of rejections and faults; sizes of the static pools in bytes. Return the count.
@@ -70,11 +85,13 @@ class App {
 
  private:
   enum class Stage : uint8_t { kFree, kFrontend, kTracking };
+  enum TaskIndex : int { kDoor, kLeft, kRight, kTracking, kMapping, kTasks };
 
-  bool door_step();
-  bool frontend_step(int camera);
-  bool tracking_step();
-  bool mapping_step();
+  Step door_step();
+  Step frontend_step(int camera);
+  Step tracking_step();
+  Step mapping_step();
+  bool world_waits(TimeNs t) const;
   void begin_frame(const DoorFrame& frame);
   void deliver(const ImuSample& sample);
   void flush_report();
@@ -99,7 +116,12 @@ class App {
   int64_t tracking_ns_ = 0;
   FrameReport report_;
   bool report_pending_ = false;
-  bool ended_ = false;
+  Scheduler* scheduler_ = nullptr;  // while running
+  Pace pace_ = Pace::kAsWeGo;
+  CorePlan plan_;
+  TaskCounters task_counters_[kTasks];
+  TimeNs door_t_ = 0;              // of the last item handed out
+  TimeNs mapping_pending_t_ = 0;  // when mapping last had nothing to do, sensor time
 };
 
 }  // namespace pirvs

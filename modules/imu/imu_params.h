@@ -10,7 +10,7 @@ namespace pirvs {
 
 struct ImuParams {
   float gyro_noise_scale = 2.0f;
-  float accel_noise_scale = 8.0f;
+  float accel_noise_scale = 12.0f;
 };
 
 inline constexpr ParamRow<ImuParams> kImuRows[] = {

@@ -21,29 +21,35 @@ void Mapper::on_keyframe_removed(void (*sink)(void*, const BodyState&), void* co
   removed_context_ = context;
 }
 
-bool Mapper::step() {
+void Mapper::step() {
   switch (phase_) {
     case Phase::kIdle: {
       const KeyframeMessage* message = ring_->front();
-      if (message == nullptr) return false;
+      if (message == nullptr) return;
       insert(*message);
-      if (message->adjust) phase_ = Phase::kBuild;
+      if (message->adjust) {
+        busy_.store(true, std::memory_order_release);
+        phase_ = Phase::kBuild;
+      } else {
+        finished_.store(message->sequence, std::memory_order_release);
+      }
       ring_->pop();
-      return true;
+      return;
     }
     case Phase::kBuild:
       build();
       phase_ = Phase::kAdjust;
-      return true;
+      return;
     case Phase::kAdjust:
       if (bundle_.step()) phase_ = Phase::kFinish;
-      return true;
+      return;
     case Phase::kFinish:
       finish();
       phase_ = Phase::kIdle;
-      return ring_->size() > 0;
+      finished_.store(keyframe(order_.size() - 1).sequence, std::memory_order_release);
+      busy_.store(false, std::memory_order_release);
+      return;
   }
-  return false;
 }
 
 // ---- keyframes and points ---------------------------------------------------------------------

@@ -6,6 +6,8 @@
 // Source  PIRVS paper, section IV.C.
 #pragma once
 
+#include <atomic>
+
 #include "modules/map/map.h"
 #include "modules/mapping/bundle.h"
 #include "modules/mapping/mapping_params.h"
@@ -24,8 +26,11 @@ class Mapper {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const MappingParams& params,
                  KeyframeRing* keyframes, MapMailbox* snapshots);
-  // One slice of work; true when there is more to do at once.
-  bool step();
+  void step();  // one slice of work
+
+  // Any core may ask: is there work, and up to which keyframe is all done?
+  bool busy() const { return busy_.load(std::memory_order_acquire) || ring_->size() > 0; }
+  uint32_t finished() const { return finished_.load(std::memory_order_acquire); }
 
   const Map& map() const { return map_; }
   const MappingCounters& counters() const { return counters_; }
@@ -70,6 +75,8 @@ class Mapper {
   Map map_;
   FixedVector<KeyframeId, kKeyframesMax> order_;  // live keyframes, oldest first
   Phase phase_ = Phase::kIdle;
+  std::atomic<bool> busy_{false};
+  std::atomic<uint32_t> finished_{0};  // sequence of the newest keyframe that is done with
   Bundle bundle_;
   struct Member {
     uint16_t order;  // place in order_

@@ -12,7 +12,7 @@ struct MappingParams {
   float fixed_keyframes = 12.0f;
   float shared_points_min = 12.0f;
   float iterations_max = 5.0f;
-  float sigma_px = 1.0f;
+  float sigma_px = 0.6f;
   float huber_sigma = 1.5f;
   float outlier_sigma = 3.0f;
   float parallax_rad_min = 0.02f;

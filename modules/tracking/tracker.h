@@ -58,6 +58,7 @@ class Tracker {
   // `stereo`: both cameras delivered. Without, the frame is tracked but never becomes a keyframe.
   FrameResult frame(TimeNs t, bool stereo, Frontend* frontends);
 
+  uint32_t sent() const { return sequence_; }  // keyframes so far, the newest one's sequence
   bool running() const { return running_; }
   const BodyState& state() const { return filter_.state(); }
   const Mat15& cov() const { return filter_.cov(); }

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 
+#include "board/host/board.h"
 #include "bsp/replay/replay.h"
 #include "tools/cli/command.h"
 #include "tools/cli/progress.h"
@@ -83,7 +84,8 @@ int run(const Options& options, const std::string& command) {
     bsp::replay_start({&feed, Feed::next_imu, Feed::next_frame, Feed::release_frame},
                       options.real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
     app.configure(recording.calibration, params, log.sinks());
-    status = app.run(options.cores);
+    status = app.run(board::kPlans[options.cores - 1],
+                     options.real_time ? Pace::kSensors : Pace::kAsWeGo);
     rejected = feed.player.rejected();
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
@@ -123,7 +125,7 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
   app.add_option("--cores", o->cores, "threads; 1: lockstep, same input, same bytes")
       ->capture_default_str()
-      ->check(CLI::Range(1, 6));
+      ->check(CLI::Range(1, board::kCores));
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
       ->allow_extra_args(false);
   return [o, &app] { return run(*o, joined(app)); };
