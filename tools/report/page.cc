@@ -82,7 +82,8 @@ border-bottom:1px solid var(--grid);font-variant-numeric:tabular-nums}
 constexpr char kScript[] = R"js(
 const root=document.documentElement,tip=document.getElementById('tip');
 if(location.hash.length>1)root.dataset.theme=location.hash.slice(1);
-document.getElementById('theme').onclick=()=>{const own=root.dataset.theme;const dark=own?own=='dark':
+document.getElementById('theme').onclick=()=>{const own=root.dataset.theme;
+const dark=own?own=='dark':
 matchMedia('(prefers-color-scheme:dark)').matches;root.dataset.theme=dark?'light':'dark'};
 const figs=[...document.querySelectorAll('svg.fig.time')].map(svg=>{const d=svg.dataset,f={svg};
 for(const k of['l','r','t','b','x0','x1','y0','y1'])f[k]=+d[k];

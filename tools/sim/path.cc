@@ -11,6 +11,7 @@ namespace {
 
 constexpr int kDegree = 5;
 constexpr int kSupport = kDegree + 1;
+constexpr int kLead = kDegree / 2;  // knots before the first instant
 // Weight of knot i is sum_j kBasis[i][j] u^j / 120, u in [0, 1) inside the interval.
 constexpr double kBasis[kSupport][kSupport] = {{1, -5, 10, -10, 5, -1},  {26, -50, 20, 20, -20, 5},
                                                {66, 0, -60, 0, 30, -10}, {26, 50, 20, -20, -20, 10},
@@ -72,7 +73,7 @@ Path Path::flight(uint64_t seed, double rest_s, double duration_s, const Mat3& R
   for (int k = 0; k < count; ++k) {
     // A knot moves the path up to three knots before it: rest is rest to the end.
     const double still_s = rest_s > 0 ? rest_s + 2.5 * path.spacing_s_ : 0;
-    const double t_s = std::max(0.0, (k - kDegree / 2) * path.spacing_s_ - still_s);
+    const double t_s = std::max(0.0, (k - kLead) * path.spacing_s_ - still_s);
     const double s = t_s < kRamp_s ? t_s * t_s / (2 * kRamp_s) : t_s - kRamp_s / 2;
     for (int i = 0; i < 3 && t_s > 0; ++i) {
       jitter_p[i] = kJitter_m * random.normal();
@@ -101,7 +102,7 @@ Path Path::along(const Trajectory& trajectory, double duration_s) {
   const int count = int(std::ceil(path.duration_s_ / path.spacing_s_)) + kSupport;
   size_t i = 1;
   for (int k = 0; k < count; ++k) {
-    const double t_s = begin_s + (k - kDegree / 2) * path.spacing_s_;
+    const double t_s = begin_s + (k - kLead) * path.spacing_s_;
     while (i + 1 < poses.size() && poses[i].t_s < t_s) ++i;
     const TrajectoryPose& a = poses[i - 1];
     const TrajectoryPose& b = poses[i];

@@ -49,7 +49,7 @@ class Text {
   std::FILE* file_;
 };
 
-using ll = long long;
+using LongLong = long long;  // what %lld prints
 
 TimeNs stamp(double t_s) { return kBegin + from_seconds(t_s); }
 
@@ -105,7 +105,7 @@ void write_camera(const Job& job, int c) {
   Text list(folder + "/data.csv");
   list.print("#timestamp [ns],filename\n");
   for (size_t i = 0; i < job.frame_s.size(); ++i) {
-    list.print("%lld,%s\n", ll(stamp(job.frame_s[i])), image_name(job, i).c_str());
+    list.print("%lld,%s\n", LongLong(stamp(job.frame_s[i])), image_name(job, i).c_str());
   }
 }
 
@@ -134,12 +134,12 @@ void write_imu(const Job& job) {
     const auto triple = [](Text& file, const Vec3& v) {
       file.print(",%.9f,%.9f,%.9f", v.x(), v.y(), v.z());
     };
-    samples.print("%lld", ll(imu.sample.t));
+    samples.print("%lld", LongLong(imu.sample.t));
     triple(samples, imu.sample.w_B);
     triple(samples, imu.sample.f_B);
     samples.print("\n");
     const Vec4& q = imu.truth.q_WB;
-    truth.print("%lld", ll(imu.sample.t));
+    truth.print("%lld", LongLong(imu.sample.t));
     triple(truth, imu.truth.p_WB);
     truth.print(",%.9f,%.9f,%.9f,%.9f", q[3], q[0], q[1], q[2]);
     triple(truth, imu.truth.v_WB);
