@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #include "bsp/api/clock.h"
 #include "bsp/api/cores.h"
@@ -16,6 +17,9 @@ float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
 
 void App::configure(const Calibration& calibration, const AppParams& params,
                     const AppSinks& sinks) {
+  // Everything anew, whatever an earlier run left behind; in place, since no stack could hold it.
+  this->~App();
+  new (this) App;
   calibration_ = calibration;
   params_ = params;
   sinks_ = sinks;

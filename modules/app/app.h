@@ -72,6 +72,7 @@ enum class Pace : uint8_t { kSensors, kAsWeGo };
 
 class App {
  public:
+  // Forgets everything from an earlier run.
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
   // Runs until the sensors end. kAsWeGo on one core is lockstep: the next sample comes when nothing
   // is left to do, so that the same input gives the same bytes; on several, mapping may lag by at
