@@ -16,7 +16,9 @@ namespace pirvs {
 namespace {
 
 constexpr size_t kPointsPerStep = 128;           // ~0.3 ms of an A72
-constexpr double kBehindCamera_sigma2 = 100.0;  // as bad as an outlier, not a wall
+// From here on a residual says only that the match or the point is wrong: its cost is constant, as
+// that of a point behind the camera.
+constexpr double kHopeless_sigma2 = 50.0 * 50.0;
 
 }  // namespace
 
@@ -130,6 +132,7 @@ bool Bundle::step() {
 
 double Bundle::robust_cost(double squares) const {
   const double k = params_.huber_sigma;
+  squares = std::min(squares, kHopeless_sigma2);
   return squares <= k * k ? squares : 2 * k * std::sqrt(squares) - k * k;
 }
 
@@ -149,14 +152,17 @@ void Bundle::linearize_point(Point& point) {
     Vec2 uv;
     Mat23 J_C;
     if (!camera_[z.camera].project(T_CW * point.p_W, uv, J_C)) {
-      cost_trial_ += robust_cost(kBehindCamera_sigma2);
+      cost_trial_ += (frame.unknown < 0 ? params_.fixed_weight : 1.0) *
+                     robust_cost(kHopeless_sigma2);
       continue;
     }
     const Vec2 r = (Vec2(z.x, z.y) - uv) * inverse_sigma;
     const double squares = r.squaredNorm();
-    cost_trial_ += robust_cost(squares);
+    const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
+    cost_trial_ += trust * robust_cost(squares);
+    if (squares > kHopeless_sigma2) continue;
     const double e = std::sqrt(squares);
-    const double weight = e > params_.huber_sigma ? params_.huber_sigma / e : 1.0;
+    const double weight = trust * (e > params_.huber_sigma ? params_.huber_sigma / e : 1.0);
     const Mat23 J_point = J_C * T_CW.R * inverse_sigma;
     const Mat23 WJ_point = weight * J_point;
     H.noalias() += WJ_point.transpose() * J_point;
@@ -286,14 +292,15 @@ double Bundle::evaluate_point(const Point& point) const {
   double cost = 0;
   for (int o = point.first; o < point.first + point.count; ++o) {
     const Observation2& z = observations_[static_cast<size_t>(o)];
+    const Frame& frame = frames_[static_cast<size_t>(z.frame)];
+    const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
     Vec2 uv;
-    if (!camera_[z.camera].project(
-            frames_[static_cast<size_t>(z.frame)].T_CW[z.camera] * point.trial, uv)) {
-      cost += robust_cost(kBehindCamera_sigma2);
+    if (!camera_[z.camera].project(frame.T_CW[z.camera] * point.trial, uv)) {
+      cost += trust * robust_cost(kHopeless_sigma2);
       continue;
     }
     const Vec2 r = (Vec2(z.x, z.y) - uv) / params_.sigma_px;
-    cost += robust_cost(r.squaredNorm());
+    cost += trust * robust_cost(r.squaredNorm());
   }
   return cost;
 }

@@ -5,28 +5,13 @@
 #include <random>
 
 #include "core/math/so3.h"
+#include "modules/testing.h"
 #include "modules/tracking/filter.h"
 
 namespace pirvs {
 namespace {
 
-struct Random {
-  explicit Random(uint32_t seed) : engine(seed) {}
-  Vec3 vec(double sigma) {
-    return {sigma * normal(engine), sigma * normal(engine), sigma * normal(engine)};
-  }
-  BodyState state() {
-    BodyState s;
-    s.T_WB.R = so3_exp(vec(1.0));
-    s.T_WB.p = vec(3.0);
-    s.v_WB = vec(1.0);
-    s.b_g = vec(0.05);
-    s.b_a = vec(0.2);
-    return s;
-  }
-  std::mt19937 engine;
-  std::normal_distribution<double> normal;
-};
+using testing::Random;
 
 Preintegration random_motion(Random& random, const Vec3& b_g, const Vec3& b_a) {
   Preintegration motion;

@@ -10,6 +10,7 @@ namespace pirvs {
 struct MappingParams {
   float window = 10.0f;
   float fixed_keyframes = 12.0f;
+  float fixed_weight = 0.1f;
   float shared_points_min = 12.0f;
   float iterations_max = 5.0f;
   float sigma_px = 0.6f;
@@ -23,12 +24,16 @@ struct MappingParams {
   float start_sigma_gyro_bias = 0.02f;
   float prior_sigma_rad = 0.002f;
   float prior_sigma_m = 0.005f;
+  float anchor_sigma_rad = 0.01f;
+  float anchor_sigma_m = 0.05f;
 };
 
 inline constexpr ParamRow<MappingParams> kMappingRows[] = {
     {"window", &MappingParams::window, 3, 12, "1", "keyframes that an adjustment moves"},
     {"fixed_keyframes", &MappingParams::fixed_keyframes, 0, 24, "1",
      "older keyframes that hold an adjustment in place"},
+    {"fixed_weight", &MappingParams::fixed_weight, 0, 1, "1",
+     "weight of an observation by an older keyframe, whose pose is not exact either"},
     {"shared_points_min", &MappingParams::shared_points_min, 1, 200, "1",
      "points that an older keyframe must share with the window"},
     {"iterations_max", &MappingParams::iterations_max, 1, 30, "1", "Levenberg-Marquardt steps"},
@@ -53,6 +58,10 @@ inline constexpr ParamRow<MappingParams> kMappingRows[] = {
      "vision's relative attitude of two keyframes, in the prior at the window's end"},
     {"prior_sigma_m", &MappingParams::prior_sigma_m, 1e-5f, 1, "m",
      "vision's relative position of two keyframes, in the prior at the window's end"},
+    {"anchor_sigma_rad", &MappingParams::anchor_sigma_rad, 1e-5f, 1, "rad",
+     "hold on the heading of the window's oldest keyframe"},
+    {"anchor_sigma_m", &MappingParams::anchor_sigma_m, 1e-5f, 10, "m",
+     "hold on the place of the window's oldest keyframe"},
 };
 static_assert(sizeof(MappingParams) == std::size(kMappingRows) * sizeof(float));
 

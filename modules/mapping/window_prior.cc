@@ -40,6 +40,25 @@ void add_relative_pose(const BodyState& a, const BodyState& b, const MappingPara
   pair.g_b.head<6>() -= J_b.transpose() * Wr;
 }
 
+// Place and heading are known only by the map, whose fixed keyframes say them again: what the prior
+// holds of them is forgotten (velocity turns with the heading, so that only the gauge goes), and a
+// loose anchor where the keyframe is now stands in for a window that no fixed keyframe sees.
+void forget_gauge(const MappingParams& params, WindowPrior& prior) {
+  const Mat3 R_BW = prior.mean.T_WB.R.transpose();
+  Eigen::Matrix<double, 15, 4> U = Eigen::Matrix<double, 15, 4>::Zero();
+  U.block<3, 1>(0, 0) = R_BW.col(2);
+  U.block<3, 1>(6, 0) = Vec3(-prior.mean.v_WB.y(), prior.mean.v_WB.x(), 0);
+  U.block<3, 3>(3, 1).setIdentity();
+  const Eigen::Matrix<double, 15, 4> LU = prior.information * U;
+  const Eigen::Matrix<double, 4, 4> core =
+      (U.transpose() * LU + 1e-9 * Eigen::Matrix<double, 4, 4>::Identity()).inverse();
+  prior.gradient -= (LU * core * (U.transpose() * prior.gradient)).eval();
+  prior.information -= (LU * core * LU.transpose()).eval();
+  prior.information.block<3, 3>(0, 0) +=
+      information(params.anchor_sigma_rad) * R_BW.col(2) * R_BW.col(2).transpose();
+  prior.information.diagonal().segment<3>(3).array() += information(params.anchor_sigma_m);
+}
+
 }  // namespace
 
 WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params) {
@@ -88,6 +107,7 @@ WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t seque
   next.information = pair.H_bb - pair.H_ab.transpose() * H_aa_solver.solve(pair.H_ab);
   next.information = (0.5 * (next.information + next.information.transpose())).eval();
   next.gradient = pair.g_b - pair.H_ab.transpose() * H_aa_solver.solve(pair.g_a);
+  forget_gauge(params, next);
   return next;
 }
 

@@ -101,35 +101,19 @@ void Filter::propagate(const ImuSample& sample) {
   last_ = sample;
 }
 
-// Residual z - h(x), its Jacobian to theta and p (of h), and its noise with the point's own.
-bool Filter::residual(const BodyState& at, const Correspondence& c, Vec2& r, Mat26& J,
-                      Mat2& R) const {
-  const Mat3 R_BW = at.T_WB.R.transpose();
-  const Vec3 p_B = R_BW * (c.p_W - at.T_WB.p);
-  const SE3& T_CB = T_CB_[c.camera];
-  Vec2 uv;
-  Mat23 J_C;
-  if (!camera_[c.camera].project(T_CB * p_B, uv, J_C)) return false;
-  r = c.uv - uv;
-  const Mat23 J_B = J_C * T_CB.R;
-  const Mat23 J_W = J_B * R_BW;
-  J.leftCols<3>() = J_B * skew(p_B);
-  J.rightCols<3>() = -J_W;
-  R = params_.point_cov_scale * J_W * c.cov_W * J_W.transpose();
-  R.diagonal().array() += c.sigma_px * c.sigma_px;
-  return true;
+bool Filter::linearize(const BodyState& at, const Correspondence& c, Reprojection& out) const {
+  return linearize_reprojection(at.T_WB, c, camera_[c.camera], T_CB_[c.camera],
+                                params_.point_cov_scale, out);
 }
 
 int Filter::gate(Correspondences& correspondences) const {
   int accepted = 0;
   for (Correspondence& c : correspondences) {
-    Vec2 r;
-    Mat26 J;
-    Mat2 R;
+    Reprojection m;
     c.gate = Gate::kBehindCamera;
-    if (!residual(state_, c, r, J, R)) continue;
-    const Mat2 S = J * cov_.topLeftCorner<6, 6>() * J.transpose() + R;
-    const double chi2 = r.dot(S.inverse() * r);
+    if (!linearize(state_, c, m)) continue;
+    const Mat2 S = m.J * cov_.topLeftCorner<6, 6>() * m.J.transpose() + m.R;
+    const double chi2 = m.r.dot(S.inverse() * m.r);
     c.gate = chi2 < params_.chi2_max ? Gate::kAccepted : Gate::kChi2;
     if (c.gate == Gate::kAccepted) ++accepted;
   }
@@ -140,16 +124,14 @@ PoseInformation Filter::linearize(const BodyState& at,
                                   const Correspondences& correspondences) const {
   PoseInformation info;
   for (const Correspondence& c : correspondences) {
-    Vec2 r;
-    Mat26 J;
-    Mat2 R;
-    if (c.gate != Gate::kAccepted || !residual(at, c, r, J, R)) continue;
-    const Mat2 R_inverse = R.inverse();
-    const double e = std::sqrt(r.dot(R_inverse * r));
+    Reprojection m;
+    if (c.gate != Gate::kAccepted || !linearize(at, c, m)) continue;
+    const Mat2 R_inverse = m.R.inverse();
+    const double e = std::sqrt(m.r.dot(R_inverse * m.r));
     const double weight = e > params_.huber_sigma ? params_.huber_sigma / e : 1.0;
-    const Mat26 WJ = weight * R_inverse * J;
-    info.A.noalias() += J.transpose() * WJ;
-    info.b.noalias() += WJ.transpose() * r;
+    const Mat26 WJ = weight * R_inverse * m.J;
+    info.A.noalias() += m.J.transpose() * WJ;
+    info.b.noalias() += WJ.transpose() * m.r;
   }
   return info;
 }
@@ -181,24 +163,19 @@ int Filter::update(Correspondences& correspondences) {
 }
 
 template <int N>
-void Filter::fuse_linear(const Eigen::Matrix<double, N, 15>& H,
-                         const Eigen::Matrix<double, N, 1>& r, double sigma) {
+void Filter::fuse(const Linear<N>& m) {
   using MatN = Eigen::Matrix<double, N, N>;
-  const Eigen::Matrix<double, 15, N> PH = cov_ * H.transpose();
-  const MatN S = H * PH + sigma * sigma * MatN::Identity();
+  const Eigen::Matrix<double, 15, N> PH = cov_ * m.H.transpose();
+  const MatN S = m.H * PH + m.sigma * m.sigma * MatN::Identity();
   const Eigen::Matrix<double, 15, N> K = PH * S.inverse();
-  state_ = boxplus(state_, K * r);
+  state_ = boxplus(state_, K * m.r);
   cov_ -= K * PH.transpose();
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
 }
 
 void Filter::update_standstill(const Vec3& w_mean_B) {
-  Eigen::Matrix<double, 3, 15> H = Eigen::Matrix<double, 3, 15>::Zero();
-  H.block<3, 3>(0, kVel).setIdentity();
-  fuse_linear<3>(H, -state_.v_WB, params_.standstill_sigma_m_s);
-  H.setZero();
-  H.block<3, 3>(0, kBg).setIdentity();
-  fuse_linear<3>(H, w_mean_B - state_.b_g, params_.standstill_sigma_rad_s);
+  fuse(linearize_zero_velocity(state_, params_.standstill_sigma_m_s));
+  fuse(linearize_zero_rate(state_, w_mean_B, params_.standstill_sigma_rad_s));
 }
 
 }  // namespace pirvs

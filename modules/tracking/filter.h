@@ -11,21 +11,12 @@
 #include "modules/imu/imu_sample.h"
 #include "core/camera/camera.h"
 #include "modules/map/map.h"
+#include "modules/tracking/mm_reprojection.h"
+#include "modules/tracking/mm_standstill.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
 
-enum class Gate : uint8_t { kAccepted, kBehindCamera, kChi2, kCount };
-const char* name(Gate gate);
-
-struct Correspondence {
-  Vec3 p_W;
-  Mat3 cov_W;  // of p_W, m^2
-  Vec2 uv;
-  double sigma_px;
-  int camera;
-  Gate gate;
-};
 using Correspondences = FixedVector<Correspondence, kCamerasMax * kTracksMax>;
 
 // Pose part of an information filter: A = sum J' R^-1 J, b = sum J' R^-1 r, over theta and p.
@@ -51,12 +42,11 @@ class Filter {
   Vec3 rate_B() const { return last_.w_B - state_.b_g; }
 
  private:
-  bool residual(const BodyState& at, const Correspondence& c, Vec2& r, Mat26& J, Mat2& R) const;
+  bool linearize(const BodyState& at, const Correspondence& c, Reprojection& out) const;
   int gate(Correspondences& correspondences) const;
   PoseInformation linearize(const BodyState& at, const Correspondences& correspondences) const;
   template <int N>
-  void fuse_linear(const Eigen::Matrix<double, N, 15>& H, const Eigen::Matrix<double, N, 1>& r,
-                   double sigma);
+  void fuse(const Linear<N>& m);
 
   Camera camera_[kCamerasMax];
   SE3 T_CB_[kCamerasMax];

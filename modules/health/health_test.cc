@@ -1,0 +1,166 @@
+#include "modules/health/health.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "modules/testing.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Random;
+
+constexpr TimeNs kSecond = 1'000'000'000;
+
+struct HealthCase {
+  HealthCase() {
+    params.matches_min = 8;
+    params.lost_s = 3;
+    params.lost_sigma_m = 1;
+    health.configure(params);
+  }
+  HealthParams params;
+  Health health;
+};
+
+TEST(health, begins_initializing_and_tracks_once_started) {
+  HealthCase c;
+  EXPECT_EQ(c.health.state(), HealthState::kInitializing);
+  c.health.started(kSecond);
+  EXPECT_EQ(c.health.state(), HealthState::kTracking);
+  EXPECT_FALSE(c.health.update(2 * kSecond, 8, 0.01)) << "no change";
+}
+
+TEST(health, few_matches_degrade_and_enough_recover) {
+  HealthCase c;
+  c.health.started(0);
+  EXPECT_TRUE(c.health.update(kSecond, 7, 0.01));
+  EXPECT_EQ(c.health.state(), HealthState::kDegraded);
+  EXPECT_FALSE(c.health.update(kSecond + 1, 0, 0.01));
+  EXPECT_TRUE(c.health.update(2 * kSecond, 8, 0.01));
+  EXPECT_EQ(c.health.state(), HealthState::kTracking);
+}
+
+// Lost takes both: long without matches, and uncertain. A device at rest in the dark is not lost.
+TEST(health, lost_only_when_long_degraded_and_uncertain) {
+  HealthCase c;
+  c.health.started(0);
+  (void)c.health.update(2 * kSecond, 0, 5.0);
+  EXPECT_EQ(c.health.state(), HealthState::kDegraded) << "uncertain, but not for long";
+  (void)c.health.update(10 * kSecond, 0, 0.9);
+  EXPECT_EQ(c.health.state(), HealthState::kDegraded) << "long, but certain";
+  EXPECT_TRUE(c.health.update(11 * kSecond, 0, 1.1));
+  EXPECT_EQ(c.health.state(), HealthState::kLost);
+}
+
+TEST(health, matches_restart_the_clock) {
+  HealthCase c;
+  c.health.started(0);
+  for (int i = 1; i < 10; ++i) {
+    (void)c.health.update(i * 2 * kSecond, 20, 5.0);
+    (void)c.health.update(i * 2 * kSecond + kSecond, 0, 5.0);
+    EXPECT_EQ(c.health.state(), HealthState::kDegraded) << i;
+  }
+}
+
+TEST(health, every_state_has_a_name) {
+  EXPECT_STREQ(name(HealthState::kInitializing), "initializing");
+  EXPECT_STREQ(name(HealthState::kLost), "lost");
+}
+
+struct StandstillCase {
+  StandstillCase() {
+    params.standstill_window = 64;
+    params.standstill_gyro_rad_s = 0.02f;
+    params.standstill_accel_m_s2 = 0.25f;
+    params.standstill_image_px = 0.25f;
+    params.standstill_images = 6;
+    detector.configure(params);
+    detector.reset();
+  }
+  void imu(int count, double sigma_w, double sigma_f) {
+    for (int i = 0; i < count; ++i) {
+      detector.add_imu({t += 5'000'000, b_g + random.vec(sigma_w), g_B + random.vec(sigma_f)});
+    }
+  }
+  void images(int count, double px) {
+    for (int i = 0; i < count; ++i) detector.add_image_motion(px);
+  }
+  HealthParams params;
+  StandstillDetector detector;
+  Random random{6};
+  Vec3 b_g = Vec3(0.02, -0.01, 0.03), g_B = Vec3(0.5, 0.3, 9.78);
+  TimeNs t = 0;
+};
+
+TEST(standstill, rest_is_seen_and_its_means_are_measured) {
+  StandstillCase c;
+  c.imu(200, 0.002, 0.02);
+  c.images(5, 0.1);
+  EXPECT_FALSE(c.detector.at_rest()) << "one still image too few";
+  c.images(1, 0.1);
+  EXPECT_TRUE(c.detector.at_rest());
+  EXPECT_EQ(c.detector.samples(), 64);
+  EXPECT_LT((c.detector.mean_rate_B() - c.b_g).norm(), 0.002);
+  EXPECT_LT((c.detector.mean_force_B() - c.g_B).norm(), 0.02);
+}
+
+TEST(standstill, needs_a_full_window) {
+  StandstillCase c;
+  c.imu(63, 0.002, 0.02);
+  c.images(10, 0.1);
+  EXPECT_FALSE(c.detector.at_rest());
+  c.imu(1, 0.002, 0.02);
+  c.images(1, 0.1);
+  EXPECT_TRUE(c.detector.at_rest());
+}
+
+TEST(standstill, each_kind_of_motion_alone_denies_it) {
+  StandstillCase turning, shaking, seeing;
+  turning.imu(64, 0.05, 0.02);
+  turning.images(10, 0.1);
+  EXPECT_FALSE(turning.detector.at_rest());
+  shaking.imu(64, 0.002, 0.5);
+  shaking.images(10, 0.1);
+  EXPECT_FALSE(shaking.detector.at_rest());
+  seeing.imu(64, 0.002, 0.02);
+  seeing.images(10, 0.3);
+  EXPECT_FALSE(seeing.detector.at_rest()) << "constant speed: only the image knows";
+}
+
+TEST(standstill, one_moving_image_or_a_push_ends_it) {
+  StandstillCase c;
+  c.imu(64, 0.002, 0.02);
+  c.images(10, 0.1);
+  ASSERT_TRUE(c.detector.at_rest());
+  c.images(1, 2.0);
+  EXPECT_FALSE(c.detector.at_rest());
+  c.images(5, 0.1);
+  EXPECT_FALSE(c.detector.at_rest());
+  c.images(1, 0.1);
+  EXPECT_TRUE(c.detector.at_rest());
+  c.imu(10, 0.002, 2.0);
+  c.images(1, 0.1);
+  EXPECT_FALSE(c.detector.at_rest());
+}
+
+TEST(standstill, not_a_number_is_no_rest) {
+  StandstillCase c;
+  c.imu(64, 0.002, 0.02);
+  c.images(10, std::numeric_limits<double>::quiet_NaN());
+  EXPECT_FALSE(c.detector.at_rest());
+}
+
+TEST(standstill, reset_forgets) {
+  StandstillCase c;
+  c.imu(64, 0.002, 0.02);
+  c.images(10, 0.1);
+  c.detector.reset();
+  EXPECT_FALSE(c.detector.at_rest());
+  c.images(10, 0.1);
+  EXPECT_FALSE(c.detector.at_rest()) << "no samples yet";
+}
+
+}  // namespace
+}  // namespace pirvs

@@ -1,0 +1,207 @@
+#include "modules/mapping/window_prior.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+
+#include "core/math/so3.h"
+#include "modules/testing.h"
+#include "modules/tracking/filter.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Random;
+using testing::Sway;
+
+using Mat30 = Eigen::Matrix<double, 30, 30>;
+using Vec30 = Eigen::Matrix<double, 30, 1>;
+
+struct Case {
+  explicit Case(uint32_t seed) : random(seed) {
+    a = sway.state(0.2);
+    b = sway.state(0.5);
+    motion = sway.between(0.2, 0.5, noise);
+    prior = start_prior(7, a, params);
+  }
+  WindowPrior advanced() const { return advance(prior, a, 8, b, &motion, noise, params); }
+  Random random;
+  Sway sway;
+  ImuNoise noise;
+  MappingParams params;
+  BodyState a, b;
+  Preintegration motion;
+  WindowPrior prior;
+};
+
+Mat15 numeric(const ImuLink& link, const BodyState& a, const BodyState& b, bool to_a) {
+  Mat15 J;
+  const double h = 1e-6;
+  for (int k = 0; k < 15; ++k) {
+    const Vec15 e = h * Vec15::Unit(k);
+    J.col(k) = to_a ? (link_residual(link, boxplus(a, e), b) -
+                       link_residual(link, boxplus(a, -e), b)) / (2 * h)
+                    : (link_residual(link, a, boxplus(b, e)) -
+                       link_residual(link, a, boxplus(b, -e))) / (2 * h);
+  }
+  return J;
+}
+
+// Vision's relative pose of b in a: theta in b, p in a.
+Vec6 relative(const BodyState& a, const BodyState& b, const BodyState& a0, const BodyState& b0) {
+  Vec6 r;
+  const Mat3 dR0 = a0.T_WB.R.transpose() * b0.T_WB.R;
+  r.head<3>() = so3_log(dR0.transpose() * a.T_WB.R.transpose() * b.T_WB.R);
+  r.tail<3>() = a.T_WB.R.transpose() * (b.T_WB.p - a.T_WB.p) -
+                a0.T_WB.R.transpose() * (b0.T_WB.p - a0.T_WB.p);
+  return r;
+}
+
+// The information of the pair (a, b), built from numeric derivatives alone.
+struct BruteForce {
+  Mat30 H = Mat30::Zero();
+  Vec30 g = Vec30::Zero();
+
+  explicit BruteForce(const Case& c) {
+    H.topLeftCorner<15, 15>() = c.prior.information;
+    g.head<15>() = c.prior.gradient - c.prior.information * boxminus(c.a, c.prior.mean);
+    const ImuLink link = make_link(0, 1, c.motion, c.noise);
+    Eigen::Matrix<double, 15, 30> J;
+    J << numeric(link, c.a, c.b, true), numeric(link, c.a, c.b, false);
+    Mat15 W = Mat15::Zero();
+    W.topLeftCorner<9, 9>() = link.information;
+    W.diagonal().segment<3>(9).setConstant(link.walk_g);
+    W.diagonal().segment<3>(12).setConstant(link.walk_a);
+    H += J.transpose() * W * J;
+    g -= J.transpose() * (W * link_residual(link, c.a, c.b));
+    add_vision(c);
+  }
+
+  // Vision's pull balances the rest at a's pose, and acts on b with the opposite force.
+  void add_vision(const Case& c) {
+    Eigen::Matrix<double, 6, 30> J;
+    const double h = 1e-6;
+    for (int k = 0; k < 30; ++k) {
+      const auto at = [&](double step) {
+        const Vec15 e = step * Vec15::Unit(k % 15);
+        return k < 15 ? relative(boxplus(c.a, e), c.b, c.a, c.b)
+                      : relative(c.a, boxplus(c.b, e), c.a, c.b);
+      };
+      J.col(k) = (at(h) - at(-h)) / (2 * h);
+    }
+    Vec6 sigma;
+    sigma << Vec3::Constant(c.params.prior_sigma_rad), Vec3::Constant(c.params.prior_sigma_m);
+    H += J.transpose() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * J;
+    const Mat6 J_a = J.leftCols<6>();
+    const Vec6 pull = J_a.transpose().eval().fullPivLu().solve(g.head<6>());
+    g -= J.transpose() * pull;
+  }
+
+  // What is left of b when a may be anywhere: through the covariance, not through Schur.
+  void marginal(Mat15& information, Vec15& gradient) const {
+    const Eigen::FullPivLU<Mat30> solver(H);
+    const Mat30 cov = solver.inverse();
+    information = cov.bottomRightCorner<15, 15>().inverse();
+    const Vec15 x_b = solver.solve(g).tail<15>();
+    gradient = information * x_b;
+  }
+};
+
+// Compares in units of each error's own sigma, since the entries span fifteen decades.
+double scaled_difference(const Mat15& A, const Mat15& B) {
+  const Vec15 scale = B.diagonal().cwiseSqrt().cwiseInverse();
+  return (scale.asDiagonal() * (A - B) * scale.asDiagonal()).norm();
+}
+
+TEST(window_prior, advance_equals_brute_force_marginalization) {
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    Case c(seed);
+    c.prior.information = c.random.spd<15>(1e3);
+    c.prior.gradient = c.random.vec15(3.0);
+    c.a = boxplus(c.a, c.random.vec15(1e-3));
+    c.b = boxplus(c.b, c.random.vec15(1e-3));
+    const WindowPrior next = c.advanced();
+    Mat15 information;
+    Vec15 gradient;
+    BruteForce(c).marginal(information, gradient);
+    EXPECT_LT(scaled_difference(next.information, information), 1e-4) << seed;
+    const Vec15 sigma = information.diagonal().cwiseSqrt().cwiseInverse();
+    EXPECT_LT(sigma.cwiseProduct(next.gradient - gradient).norm(),
+              1e-3 * (1 + sigma.cwiseProduct(gradient).norm()))
+        << seed;
+  }
+}
+
+TEST(window_prior, speaks_of_the_next_keyframe_at_its_state) {
+  const Case c(1);
+  const WindowPrior next = c.advanced();
+  EXPECT_EQ(next.sequence, 8u);
+  EXPECT_EQ(boxminus(next.mean, c.b).norm(), 0);
+}
+
+TEST(window_prior, agreement_leaves_no_pull) {
+  Case c(1);
+  const WindowPrior next = c.advanced();
+  // Perfect samples, integrated in steps: what is left is far below a sigma.
+  const Vec15 shift = next.information.ldlt().solve(next.gradient);
+  const Vec15 sigma = next.information.inverse().diagonal().cwiseSqrt();
+  EXPECT_LT(shift.cwiseQuotient(sigma).norm(), 0.5);
+}
+
+TEST(window_prior, information_stays_positive_over_a_long_slide) {
+  Case c(1);
+  const double step_s = 0.3;
+  for (int i = 0; i < 100; ++i) {
+    c.a = c.sway.state(i * step_s);
+    c.b = c.sway.state((i + 1) * step_s);
+    c.motion = c.sway.between(i * step_s, (i + 1) * step_s, c.noise);
+    if (i == 0) c.prior = start_prior(7, c.a, c.params);
+    c.prior = c.advanced();
+    EXPECT_EQ(c.prior.information, c.prior.information.transpose());
+    const Vec15 scale = c.prior.information.diagonal().cwiseSqrt().cwiseInverse();
+    const Mat15 unit = scale.asDiagonal() * c.prior.information * scale.asDiagonal();
+    ASSERT_GT(Eigen::SelfAdjointEigenSolver<Mat15>(unit).eigenvalues().minCoeff(), 0) << i;
+  }
+}
+
+TEST(window_prior, certainty_of_place_fades_and_biases_get_better_known) {
+  Case c(1);
+  const auto sigma = [](const WindowPrior& prior, int k) {
+    return std::sqrt(Mat15(prior.information.inverse())(k, k));
+  };
+  const WindowPrior start = c.prior;
+  for (int i = 0; i < 20; ++i) {
+    c.a = c.sway.state(i * 0.3);
+    c.b = c.sway.state((i + 1) * 0.3);
+    c.motion = c.sway.between(i * 0.3, (i + 1) * 0.3, c.noise);
+    if (i == 0) c.prior = start_prior(7, c.a, c.params);
+    c.prior = c.advanced();
+  }
+  for (int k = 3; k < 6; ++k) EXPECT_GT(sigma(c.prior, k), 2 * sigma(start, k)) << k;
+  for (int k = 9; k < 12; ++k) EXPECT_LT(sigma(c.prior, k), 0.5 * sigma(start, k)) << k;
+}
+
+TEST(window_prior, without_a_link_velocity_is_forgotten_and_biases_are_kept) {
+  Case c(2);
+  c.prior.information = c.random.spd<15>(1e6);
+  const WindowPrior next = advance(c.prior, c.a, 9, c.b, nullptr, c.noise, c.params);
+  EXPECT_EQ(next.sequence, 9u);
+  EXPECT_EQ((next.information.block<6, 6>(9, 9)), (c.prior.information.block<6, 6>(9, 9)));
+  EXPECT_LT(next.information.diagonal().segment<3>(6).maxCoeff(), 100);
+  EXPECT_EQ(next.gradient.norm(), 0);
+}
+
+// A start fixes place and heading by convention; tilt is left to the IMU. Any attitude will do.
+TEST(window_prior, start_holds_heading_harder_than_tilt) {
+  Random random(3);
+  const BodyState first = random.state();
+  const WindowPrior prior = start_prior(1, first, MappingParams{});
+  const Mat3 in_W = first.T_WB.R * prior.information.block<3, 3>(0, 0) * first.T_WB.R.transpose();
+  EXPECT_GT(in_W(2, 2), 100 * in_W(0, 0));
+  EXPECT_LT(Mat3(in_W - Mat3(in_W.diagonal().asDiagonal())).norm(), 1e-6 * in_W(2, 2));
+}
+
+}  // namespace
+}  // namespace pirvs
