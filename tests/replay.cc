@@ -1,0 +1,94 @@
+#include "tests/replay.h"
+
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+#include "board/host/board.h"
+#include "bsp/replay/replay.h"
+#include "core/base/assert.h"
+#include "tools/dataset/player.h"
+
+namespace pirvs::systems {
+namespace {
+
+struct Feed {
+  const tools::Recording& recording;
+  tools::Player player;
+  size_t imu_at = 0;
+
+  explicit Feed(const tools::Recording& r) : recording(r), player(r) {}
+
+  static bool next_imu(void* context, ImuSample& out) {
+    Feed& feed = *static_cast<Feed*>(context);
+    if (feed.imu_at == feed.recording.imu.size()) return false;
+    out = feed.recording.imu[feed.imu_at++];
+    return true;
+  }
+  static bool next_frame(void* context, StereoFrame& out) {
+    const StereoFrame* const frame = static_cast<Feed*>(context)->player.front();
+    if (frame != nullptr) out = *frame;
+    return frame != nullptr;
+  }
+  static void release_frame(void* context) { static_cast<Feed*>(context)->player.pop(); }
+};
+
+App app;
+
+}  // namespace
+
+size_t Replay::counter(const std::string& name) const {
+  for (const auto* counts : {&log.counters, &rejected}) {
+    for (const tools::Count& count : *counts) {
+      if (count.name == name) return count.value;
+    }
+  }
+  PIRVS_ASSERT(!"a counter of that name");
+  return 0;
+}
+
+std::string Replay::trajectory() const {
+  std::string out;
+  for (const tools::TrajectoryPose& pose : result.trajectory.poses) {
+    out += tools::tum_line(pose.t, pose.p_WB, pose.q_WB);
+  }
+  return out;
+}
+
+double Replay::first_pose_s() const {
+  if (result.trajectory.poses.empty()) return std::numeric_limits<double>::infinity();
+  return to_seconds(result.trajectory.poses.front().t - log.frames.front().t);
+}
+
+double Replay::ate_of_path() const {
+  return result.evaluation.ate_rmse_m / result.evaluation.path_m;
+}
+
+Replay replay(const tools::Recording& recording, int cores) {
+  Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}};
+  alarm(kReplay_s_max);
+  {
+    Feed feed(recording);
+    bsp::replay_start({&feed, Feed::next_imu, Feed::next_frame, Feed::release_frame},
+                      bsp::ReplayPace::kFast);
+    app.configure(recording.calibration, AppParams{}, out.log.sinks());
+    out.status = app.run(board::kPlans[cores - 1], Pace::kAsWeGo);
+    out.rejected = feed.player.rejected();
+  }
+  alarm(0);
+  out.log.finish(app);
+  out.result = make_result(recording, out.log, out.status);
+  return out;
+}
+
+void print(const char* what, const Replay& replay) {
+  const tools::RunResult& r = replay.result;
+  std::printf("%s: %zu of %zu frames tracked, %zu lost, first pose after %.2f s, ", what,
+              r.frames_tracked, r.frames_in, r.frames_lost, replay.first_pose_s());
+  std::printf("ATE %.4f m, %.2f %% of %.1f m, CPU %.2f ms a frame\n", r.evaluation.ate_rmse_m,
+              100 * replay.ate_of_path(), r.evaluation.path_m, r.timing.back().mean);
+}
+
+}  // namespace pirvs::systems

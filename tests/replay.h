@@ -1,0 +1,36 @@
+// Runs the whole stack on a recording inside the test's own process, as `pirvs run` does.
+// In      A Recording, which a test may have changed in memory; the number of cores.
+// Out     What the run has told, its result, and what the player rejected.
+// Frames  as in tools/run.
+// Errors  A run that takes longer than kReplay_s_max ends the process by SIGALRM: it hangs.
+// Cost    ~2 ms a stereo frame, decoding beside it.
+// Source  DESIGN, "The front door".
+#pragma once
+
+#include <string>
+
+#include "tools/dataset/recording.h"
+#include "tools/run/result.h"
+
+namespace pirvs::systems {
+
+inline constexpr unsigned kReplay_s_max = 120;  // on a machine that others load, too
+
+struct Replay {
+  Status status;
+  tools::RunLog log;
+  tools::RunResult result;
+  std::vector<tools::Count> rejected;
+
+  size_t counter(const std::string& name) const;  // of the stack or the player; asserts if unknown
+  std::string trajectory() const;                 // as trajectory.tum
+  double first_pose_s() const;                    // after the first frame; infinite: never
+  double ate_of_path() const;                     // ATE rmse as a share of the path
+};
+
+Replay replay(const tools::Recording& recording, int cores = 1);
+
+// One line for people: what was measured.
+void print(const char* what, const Replay& replay);
+
+}  // namespace pirvs::systems

@@ -1,0 +1,52 @@
+// The whole stack on simulated flights of both devices, with exact truth.
+#include <gtest/gtest.h>
+
+#include "tests/recordings.h"
+#include "tests/replay.h"
+
+namespace pirvs::systems {
+namespace {
+
+constexpr double kAteOfPath_max = 0.005;
+
+void expect_tracked(const Replay& run) {
+  EXPECT_EQ(run.status, Status::kOk);
+  EXPECT_EQ(run.result.exit_status(), 0);
+  EXPECT_LE(run.first_pose_s(), 2.0);
+  EXPECT_EQ(run.result.frames_lost, 0u);
+  EXPECT_EQ(run.result.frames_dropped, 0u);
+  ASSERT_TRUE(run.result.evaluation.ok);
+  EXPECT_LE(run.ate_of_path(), kAteOfPath_max);
+}
+
+TEST(simulated_flight, euroc_is_tracked_to_half_a_percent) {
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc));
+  print("euroc", run);
+  expect_tracked(run);
+}
+
+TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
+  const Replay run = replay(simulated(SimulatedDevice::kIronsides));
+  print("ironsides", run);
+  expect_tracked(run);
+}
+
+// One App for the whole process: nothing of one recording may reach the next.
+TEST(simulated_flight, a_run_forgets_the_one_before) {
+  const std::string first = replay(simulated(SimulatedDevice::kEuroc)).trajectory();
+  const Replay between = replay(simulated(SimulatedDevice::kIronsides));
+  const Replay again = replay(simulated(SimulatedDevice::kEuroc));
+  EXPECT_TRUE(first == again.trajectory()) << "a run depends on the one before";
+  EXPECT_EQ(again.counter("starts"), 1u);
+}
+
+TEST(simulated_flight, three_cores_finish) {
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3);
+  print("euroc, three cores", run);
+  EXPECT_EQ(run.result.exit_status(), 0);
+  EXPECT_EQ(run.result.frames_lost, 0u);
+  EXPECT_LE(run.ate_of_path(), 2 * kAteOfPath_max);
+}
+
+}  // namespace
+}  // namespace pirvs::systems
