@@ -1,4 +1,4 @@
-// What the tests of all modules share: seeded random states, a stereo rig, a smooth motion.
+// What the tests of all modules share: seeded random states, a stereo rig, a texture, a motion.
 // Frames  B of the rig: x forward, y left, z up; both cameras look along x, 0.11 m apart.
 // Units   SI, px. Source: EuRoC's lenses (radtan), the device's fisheyes (Kannala-Brandt).
 #pragma once
@@ -78,12 +78,50 @@ struct Rig {
       camera[c].T_BC.p = Vec3(0.03, c == 0 ? 0.055 : -0.055, 0.01);
     }
   }
+  // The same lenses on sensors of half the resolution: faster to render.
+  void halve() {
+    for (Camera& c : camera) {
+      c.width /= 2, c.height /= 2;
+      c.fx /= 2, c.fy /= 2;
+      c.cx = (c.cx - 0.5) / 2, c.cy = (c.cy - 0.5) / 2;
+    }
+  }
   // False: not in front of the camera, or outside its image.
   bool see(const SE3& T_WB, int c, const Vec3& p_W, Vec2& uv) const {
     return camera[c].project((T_WB * camera[c].T_BC).inverse() * p_W, uv) &&
            camera[c].in_image(uv, 0);
   }
   Camera camera[kCamerasMax];
+};
+
+// Smooth grey noise over the plane, detail of 1/2 to 2 units, the same for the same seed.
+struct Texture {
+  explicit Texture(uint32_t texture_seed) : seed(texture_seed) {}
+  double lattice(int x, int y, uint32_t octave) const {
+    uint32_t h = seed + 0x9e3779b9u * octave;
+    for (const uint32_t v : {static_cast<uint32_t>(x), static_cast<uint32_t>(y)}) {
+      h = (h ^ v) * 0x85ebca6bu;
+      h ^= h >> 13;
+      h *= 0xc2b2ae35u;
+      h ^= h >> 16;
+    }
+    return h / 4294967296.0;
+  }
+  double at(double x, double y) const {
+    double sum = 0;
+    for (uint32_t octave = 0; octave < 3; ++octave) {
+      const double scale = 2.0 / (1 << octave);
+      const double u = x * scale, v = y * scale;
+      const int i = static_cast<int>(std::floor(u)), j = static_cast<int>(std::floor(v));
+      const double a = smooth(u - i), b = smooth(v - j);
+      const double top = (1 - a) * lattice(i, j, octave) + a * lattice(i + 1, j, octave);
+      const double low = (1 - a) * lattice(i, j + 1, octave) + a * lattice(i + 1, j + 1, octave);
+      sum += (1 - b) * top + b * low;
+    }
+    return 30 + 65 * sum;  // 30 .. 225
+  }
+  static double smooth(double t) { return t * t * t * (t * (6 * t - 15) + 10); }
+  uint32_t seed;
 };
 
 // A body that sways: analytic pose, velocity and what a perfect IMU feels.

@@ -28,10 +28,8 @@ void App::configure(const Calibration& calibration, const AppParams& params,
     frontend_[c].configure(calibration.camera[c], params.frontend);
   }
   const ImuNoise noise = scaled(calibration.imu, params.imu);
-  tracker_.configure(calibration.camera, noise, params.tracking, &keyframe_ring_,
-                     &map_mailbox_);
-  mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_,
-                    &map_mailbox_);
+  tracker_.configure(calibration.camera, noise, params.tracking, &keyframe_ring_, &map_mailbox_);
+  mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
 }
 
@@ -121,7 +119,7 @@ Step App::tracking_step() {
   report_pending_ = true;
   tracking_ns_ = 0;
   if (result.health_changed && sinks_.health != nullptr) {
-    const char* what = !result.started           ? "health changed"
+    const char* what = !result.started          ? "health changed"
                        : result.started_at_rest ? "started at rest"
                                                 : "started in motion";
     sinks_.health(sinks_.context, frame_.t, tracker_.health(), what);
@@ -155,7 +153,7 @@ Status App::run(const CorePlan& plan, Pace pace) {
   pace_ = pace;
   // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
   const Task tasks[kTasks] = {
-      // name         step                                              context  period  budget  core
+      // name         step                                              context  period  budget core
       {"door", [](void* a, TimeNs) { return static_cast<App*>(a)->door_step(); }, this, 0, 200,
        plan.door},
       {"left", [](void* a, TimeNs) { return static_cast<App*>(a)->frontend_step(0); }, this, 0,
@@ -195,9 +193,13 @@ Status App::run(const CorePlan& plan, Pace pace) {
 
 int App::pools(NamedValue* out, int max) {
   const NamedValue table[] = {
-      {"frontend", sizeof(frontend_)},         {"tracker", sizeof(tracker_)},
-      {"mapper", sizeof(mapper_)},             {"keyframe_ring", sizeof(keyframe_ring_)},
-      {"map_mailbox", sizeof(map_mailbox_)},   {"app", sizeof(App) - sizeof(frontend_) - sizeof(tracker_) - sizeof(mapper_) - sizeof(keyframe_ring_) - sizeof(map_mailbox_)},
+      {"frontend", sizeof(frontend_)},
+      {"tracker", sizeof(tracker_)},
+      {"mapper", sizeof(mapper_)},
+      {"keyframe_ring", sizeof(keyframe_ring_)},
+      {"map_mailbox", sizeof(map_mailbox_)},
+      {"app", sizeof(App) - sizeof(frontend_) - sizeof(tracker_) - sizeof(mapper_) -
+                  sizeof(keyframe_ring_) - sizeof(map_mailbox_)},
   };
   int count = 0;
   for (const NamedValue& row : table) {
@@ -224,9 +226,8 @@ int App::counters(NamedValue* out, int max) const {
   for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
     add(name(static_cast<Gate>(i)), t.gates[i]);
   }
-  static constexpr const char* kOverruns[kTasks] = {"overruns_door", "overruns_left",
-                                                    "overruns_right", "overruns_tracking",
-                                                    "overruns_mapping"};
+  static constexpr const char* kOverruns[kTasks] = {
+      "overruns_door", "overruns_left", "overruns_right", "overruns_tracking", "overruns_mapping"};
   for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
   add("frames", t.frames);
   add("frames_with_pose", t.frames_with_pose);

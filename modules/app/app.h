@@ -121,7 +121,7 @@ class App {
   Pace pace_ = Pace::kAsWeGo;
   CorePlan plan_;
   TaskCounters task_counters_[kTasks];
-  TimeNs door_t_ = 0;              // of the last item handed out
+  TimeNs door_t_ = 0;             // of the last item handed out
   TimeNs mapping_pending_t_ = 0;  // when mapping last had nothing to do, sensor time
 };
 

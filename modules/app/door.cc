@@ -19,10 +19,9 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 }  // namespace
 
 const char* name(DoorLoss loss) {
-  static constexpr const char* kNames[] = {"imu_not_finite",    "imu_backwards",
-                                           "imu_gap",           "frame_backwards",
-                                           "frame_before_imu",  "frame_without_imu",
-                                           "camera_missing"};
+  static constexpr const char* kNames[] = {
+      "imu_not_finite",   "imu_backwards",     "imu_gap",       "frame_backwards",
+      "frame_before_imu", "frame_without_imu", "camera_missing"};
   static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }

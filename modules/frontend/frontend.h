@@ -29,7 +29,7 @@ using LandmarkId = Handle<Landmark>;
 
 struct Track {
   TrackId id = 0;
-  LandmarkId landmark;  // the scene point it was matched to; flow passes it on
+  LandmarkId landmark;           // the scene point it was matched to; flow passes it on
   float x = 0, y = 0;            // where it is now
   float x_last = 0, y_last = 0;  // where it was in the previous image
   float x_pred = 0, y_pred = 0;  // where it is expected in the next image

@@ -26,10 +26,10 @@ struct Landmark {
   Vec3 p_W = Vec3::Zero();
   Mat3 cov = Mat3::Zero();
   Descriptor descriptor{};
-  Vec3 view_W = Vec3::Zero();  // unit vector from the point to where it was first seen
-  float distance_m = 0;        // from there
-  uint16_t views = 0;          // observations in the map's keyframes, both cameras
-  uint32_t last_keyframe = 0;  // sequence number of the newest keyframe that saw it
+  Vec3 view_W = Vec3::Zero();           // unit vector from the point to where it was first seen
+  float distance_m = 0;                 // from there
+  uint16_t views = 0;                   // observations in the map's keyframes, both cameras
+  uint32_t last_keyframe = 0;           // sequence number of the newest keyframe that saw it
   TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
 };
 
@@ -78,9 +78,9 @@ struct MapPoint {
 
 // Mapping's word to tracking after each adjustment, by mailbox.
 struct MapSnapshot {
-  uint32_t keyframe = 0;        // sequence of the newest adjusted keyframe
-  BodyState state;              // of that keyframe, refined
-  Mat15 cov = Mat15::Zero();    // of that state: theta, p, v, b_g, b_a
+  uint32_t keyframe = 0;      // sequence of the newest adjusted keyframe
+  BodyState state;            // of that keyframe, refined
+  Mat15 cov = Mat15::Zero();  // of that state: theta, p, v, b_g, b_a
   FixedVector<MapPoint, kLandmarksMax> points;
 };
 
@@ -91,7 +91,7 @@ struct KeyframeMessage {
   Observations observations[kCamerasMax];
   Preintegration from_previous;
   bool linked = false;
-  bool adjust = true;  // false: more keyframes follow at once (start-up)
+  bool adjust = true;    // false: more keyframes follow at once (start-up)
   bool restart = false;  // forget the old map first
 };
 

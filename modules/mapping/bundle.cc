@@ -15,7 +15,7 @@
 namespace pirvs {
 namespace {
 
-constexpr size_t kPointsPerStep = 128;           // ~0.3 ms of an A72
+constexpr size_t kPointsPerStep = 128;  // ~0.3 ms of an A72
 // From here on a residual says only that the match or the point is wrong: its cost is constant, as
 // that of a point behind the camera.
 constexpr double kHopeless_sigma2 = 50.0 * 50.0;
@@ -56,8 +56,7 @@ void Bundle::place_cameras(Frame& frame, const BodyState& state) const {
 }
 
 void Bundle::link(int from, int to, const Preintegration& motion) {
-  const bool added =
-      links_.push_back(make_link(from, to, motion, noise_));
+  const bool added = links_.push_back(make_link(from, to, motion, noise_));
   PIRVS_ASSERT(added);  // one per free frame
 }
 
@@ -152,8 +151,8 @@ void Bundle::linearize_point(Point& point) {
     Vec2 uv;
     Mat23 J_C;
     if (!camera_[z.camera].project(T_CW * point.p_W, uv, J_C)) {
-      cost_trial_ += (frame.unknown < 0 ? params_.fixed_weight : 1.0) *
-                     robust_cost(kHopeless_sigma2);
+      cost_trial_ +=
+          (frame.unknown < 0 ? params_.fixed_weight : 1.0) * robust_cost(kHopeless_sigma2);
       continue;
     }
     const Vec2 r = (Vec2(z.x, z.y) - uv) * inverse_sigma;
@@ -242,8 +241,7 @@ void Bundle::linearize_links() {
   }
   if (prior_frame_ >= 0) {
     const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
-    const Vec15 g =
-        prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean);
+    const Vec15 g = prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean);
     cost_trial_ += prior_cost(frame.state);
     for (int i = 0; i < 15; ++i) b_[frame.unknown + i] += g[i];
     add(frame.unknown, frame.unknown, prior_.information);

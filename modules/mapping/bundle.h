@@ -31,7 +31,7 @@ class Bundle {
   int add_frame(const BodyState& state, bool fixed);  // index, or -1; free ones in order of time
   void link(int from, int to, const Preintegration& motion);
   void set_prior(int frame, const WindowPrior& prior);
-  int add_point(const Vec3& p_W);                       // index, or -1
+  int add_point(const Vec3& p_W);                                          // index, or -1
   bool add_observation(int point, int frame, int camera, const Vec2& uv);  // to the newest point
 
   // Does a part of the work; true when all is done.

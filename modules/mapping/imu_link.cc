@@ -36,8 +36,7 @@ Vec15 link_residual(const ImuLink& link, const BodyState& a, const BodyState& b)
   Vec15 r;
   r.segment<3>(0) = so3_log(m.dR.transpose() * R_aW * b.T_WB.R);
   r.segment<3>(3) = R_aW * (b.v_WB - a.v_WB - kGravity_W * dt) - m.dv;
-  r.segment<3>(6) =
-      R_aW * (b.T_WB.p - a.T_WB.p - a.v_WB * dt - 0.5 * dt * dt * kGravity_W) - m.dp;
+  r.segment<3>(6) = R_aW * (b.T_WB.p - a.T_WB.p - a.v_WB * dt - 0.5 * dt * dt * kGravity_W) - m.dp;
   r.segment<3>(9) = b.b_g - a.b_g;
   r.segment<3>(12) = b.b_a - a.b_a;
   return r;

@@ -13,7 +13,7 @@ namespace pirvs {
 struct ImuLink {
   int from = -1, to = -1;  // frames of the bundle
   Preintegration motion;
-  Mat9 information;        // of theta, v, p
+  Mat9 information;               // of theta, v, p
   double walk_g = 0, walk_a = 0;  // 1 / variance of the bias steps
 };
 

@@ -57,7 +57,8 @@ void Mapper::step() {
 void Mapper::forget_all() {
   while (!order_.empty()) remove_keyframe(0);
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
-    if (map_.landmarks.at(slot) != nullptr) (void)map_.landmarks.release(map_.landmarks.handle(slot));
+    if (map_.landmarks.at(slot) != nullptr)
+      (void)map_.landmarks.release(map_.landmarks.handle(slot));
   }
 }
 
@@ -123,7 +124,8 @@ void Mapper::insert(const KeyframeMessage& message) {
   ++counters_.keyframes;
 }
 
-// The point that a track had in the keyframe before the newest: tracking may not have heard of it yet.
+// The point that a track had in the keyframe before the newest: tracking may not have heard of it
+// yet.
 LandmarkId Mapper::landmark_of_track(int camera, TrackId track) {
   if (order_.size() < 2) return LandmarkId{};
   for (const Observation& sighting : keyframe(order_.size() - 2).observations[camera]) {
@@ -421,9 +423,13 @@ void Mapper::publish() {
     const double distance2 = (landmark->p_W - p_WB).squaredNorm();
     if (landmark->cov.trace() > sigma_rel2 * distance2) continue;
     MapPoint* point = snapshot.points.append();
-    *point = {map_.landmarks.handle(slot), landmark->p_W,       landmark->cov,
-              landmark->descriptor,        landmark->view_W,    landmark->distance_m,
-              {landmark->track[0],         landmark->track[1]},
+    *point = {map_.landmarks.handle(slot),
+              landmark->p_W,
+              landmark->cov,
+              landmark->descriptor,
+              landmark->view_W,
+              landmark->distance_m,
+              {landmark->track[0], landmark->track[1]},
               landmark->last_keyframe == newest.sequence};
     if (!point->in_newest) point->track[0] = point->track[1] = 0;
   }

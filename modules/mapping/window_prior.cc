@@ -71,8 +71,7 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
   prior.information.block<3, 3>(0, 0) = R.transpose() * about_axes.asDiagonal() * R;
   prior.information.diagonal().segment<3>(3).setConstant(information(1e-4));
   prior.information.diagonal().segment<3>(6).setConstant(information(0.5));
-  prior.information.diagonal().segment<3>(9).setConstant(
-      information(params.start_sigma_gyro_bias));
+  prior.information.diagonal().segment<3>(9).setConstant(information(params.start_sigma_gyro_bias));
   prior.information.diagonal().segment<3>(12).setConstant(
       information(params.start_sigma_accel_bias));
   return prior;

@@ -82,8 +82,8 @@ int match_by_projection(const MapView& view, const PosePrediction& pose, const C
     if (!camera.project(p_C, uv) || !camera.in_image(uv, 0)) continue;
     if (!seen_alike(point, T_WC.p)) continue;
     const double sigma = std::sqrt(var_theta + var_p / p_C.squaredNorm()) * camera.fx;
-    const double radius = std::min<double>(params.match_radius_px_min + 3 * sigma,
-                                           params.match_radius_px_max);
+    const double radius =
+        std::min<double>(params.match_radius_px_min + 3 * sigma, params.match_radius_px_max);
     for (const uint16_t i : open) {
       const double dx = tracks[i].x - uv.x(), dy = tracks[i].y - uv.y();
       if (dx * dx + dy * dy > radius * radius) continue;
@@ -108,7 +108,8 @@ int match_by_projection(const MapView& view, const PosePrediction& pose, const C
     bool beaten = false;
     for (const uint16_t j : open) {
       if (j == i || best[j].landmark != best[i].landmark) continue;
-      beaten |= best[j].distance < best[i].distance || (best[j].distance == best[i].distance && j < i);
+      beaten |=
+          best[j].distance < best[i].distance || (best[j].distance == best[i].distance && j < i);
     }
     if (beaten) continue;
     tracks[i].landmark = best[i].landmark;

@@ -12,9 +12,9 @@
 namespace pirvs {
 namespace {
 
-constexpr int kScanLevel = 1;      // half size: the scan needs a place to within flow's reach only
+constexpr int kScanLevel = 1;  // half size: the scan needs a place to within flow's reach only
 constexpr int kScanStepsMax = 192;
-constexpr int kPatch = 8;          // side of the scanned patch at kScanLevel
+constexpr int kPatch = 8;  // side of the scanned patch at kScanLevel
 
 }  // namespace
 
@@ -70,8 +70,8 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
   Vec2 near_uv, far_uv;
   if (!camera_[to].project(ray, far_uv)) return StereoLoss::kOutside;
   if (!camera_[to].project(ray + T.p * rho_max, near_uv)) return StereoLoss::kOutside;
-  const int steps = std::min(
-      kScanStepsMax, 2 + static_cast<int>((near_uv - far_uv).norm() * scale));
+  const int steps =
+      std::min(kScanStepsMax, 2 + static_cast<int>((near_uv - far_uv).norm() * scale));
 
   const uint8_t* patch = source.row(sy) + sx;
   uint32_t cost[kScanStepsMax + 1];

@@ -4,7 +4,8 @@
 // Frames  C0, C1; T_C1C0 from the calibration.
 // Errors  a named, counted rejection (StereoLoss).
 // Cost    ~8 us a point on x86-64, of which half is the scan.
-// Source  PIRVS paper, section IV.C ("search for spatial correspondences using epipolar constraint").
+// Source  PIRVS paper, section IV.C ("search for spatial correspondences using epipolar
+// constraint").
 #pragma once
 
 #include "core/camera/camera.h"
@@ -36,7 +37,8 @@ struct StereoParams {
 };
 
 inline constexpr ParamRow<StereoParams> kStereoRows[] = {
-    {"depth_m_min", &StereoParams::depth_m_min, 0.05f, 5, "m", "nearest point that is searched for"},
+    {"depth_m_min", &StereoParams::depth_m_min, 0.05f, 5, "m",
+     "nearest point that is searched for"},
     {"zssd_grey2_max", &StereoParams::zssd_grey2_max, 1, 10000, "grey^2",
      "worst mean squared difference on the epipolar curve"},
     {"ambiguity_ratio_max", &StereoParams::ambiguity_ratio_max, 0.1f, 1, "1",

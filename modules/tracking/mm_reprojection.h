@@ -1,11 +1,9 @@
 // Measurement model: a map point seen by one camera, uv = project(T_CB T_BW p_W) + n.
 // In      pose of the body, the correspondence, the camera. n ~ N(0, sigma_px^2 I) and, through the
 //         projection, point_cov_scale times the point's own covariance.
-// Out     residual uv - h (2), J = d h / d (theta, p) (2 x 6), covariance R of the residual (2 x 2).
-// Frames  W, B, C; theta in B (right), p in W.
-// Errors  false: behind the camera or outside its model; the outputs are then undefined.
-// Cost    ~40 ns, x86-64.
-// Source  PIRVS paper, eq. 6.
+// Out     residual uv - h (2), J = d h / d (theta, p) (2 x 6), covariance R of the residual (2 x
+// 2). Frames  W, B, C; theta in B (right), p in W. Errors  false: behind the camera or outside its
+// model; the outputs are then undefined. Cost    ~40 ns, x86-64. Source  PIRVS paper, eq. 6.
 #pragma once
 
 #include "core/camera/camera.h"

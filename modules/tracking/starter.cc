@@ -261,9 +261,8 @@ Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) 
   const Mat3 R_WB0 = upright(g_B0, origin.R);
   const Vec3 g_W(0, 0, -kGravity_m_s2);
   for (KeyframeMessage& message : keyframes_) {
-    const auto* frame = std::find_if(frames_.begin(), frames_.end(), [&](const Frame& f) {
-      return f.t == message.state.t;
-    });
+    const auto* frame = std::find_if(frames_.begin(), frames_.end(),
+                                     [&](const Frame& f) { return f.t == message.state.t; });
     const Preintegration motion = integrate(frames_[0].t, frame->t, b_g);
     message.state.T_WB.R = R_WB0 * frame->T_B0B.R;
     message.state.T_WB.p = origin.p + R_WB0 * frame->T_B0B.p;
@@ -273,8 +272,7 @@ Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) 
     message.state.b_a.setZero();
   }
   for (size_t i = 1; i < keyframes_.size(); ++i) {
-    keyframes_[i].from_previous =
-        integrate(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
+    keyframes_[i].from_previous = integrate(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
     keyframes_[i].linked = true;
   }
   for (KeyframeMessage& message : keyframes_) message.adjust = false;

@@ -142,8 +142,8 @@ void Tracker::match(Frontend* frontends) {
   if (!running_ || view_.empty()) return;
   const PosePrediction pose{filter_.state().T_WB, filter_.cov().topLeftCorner<6, 6>()};
   for (int c = 0; c < kCamerasMax; ++c) {
-    counters_.matched_by_projection += static_cast<uint32_t>(match_by_projection(
-        view_, pose, camera_[c], params_.tracker, frontends[c].tracks()));
+    counters_.matched_by_projection += static_cast<uint32_t>(
+        match_by_projection(view_, pose, camera_[c], params_.tracker, frontends[c].tracks()));
   }
 }
 
@@ -274,8 +274,7 @@ bool Tracker::keyframe_due(TimeNs t, const Frontend* frontends) const {
   if (dt_s > p.keyframe_interval_s_max) return true;
   const SE3& T_WB = filter_.state().T_WB;
   if ((T_WB.p - last_keyframe_.T_WB.p).norm() > p.keyframe_distance_m) return true;
-  const double cos_turn =
-      0.5 * ((last_keyframe_.T_WB.R.transpose() * T_WB.R).trace() - 1.0);
+  const double cos_turn = 0.5 * ((last_keyframe_.T_WB.R.transpose() * T_WB.R).trace() - 1.0);
   if (cos_turn < cosine(p.keyframe_angle_deg * (3.14159265358979 / 180))) return true;
   size_t matched = 0;
   for (const Track& track : frontends[0].tracks()) matched += track.landmark.valid() ? 1 : 0;

@@ -92,8 +92,8 @@ class Tracker {
   StandstillDetector standstill_;
   MapView view_;
   bool running_ = false;
-  SE3 origin_;            // where a restart continues
-  SE3 T_WB_last_frame_;   // for flow prediction
+  SE3 origin_;           // where a restart continues
+  SE3 T_WB_last_frame_;  // for flow prediction
   Mat3 R_B0B_last_ = Mat3::Identity();
   Preintegration since_keyframe_;
   BodyState last_keyframe_;

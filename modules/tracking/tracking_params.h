@@ -19,8 +19,10 @@ struct FilterParams {
 
 inline constexpr ParamRow<FilterParams> kFilterRows[] = {
     {"sigma_px", &FilterParams::sigma_px, 0.05f, 10, "px", "noise of a tracked point"},
-    {"chi2_max", &FilterParams::chi2_max, 1, 100, "1", "gate of a correspondence (2 dof; 9.21: 99 %)"},
-    {"huber_sigma", &FilterParams::huber_sigma, 0.5f, 10, "sigma", "where the robust weight begins"},
+    {"chi2_max", &FilterParams::chi2_max, 1, 100, "1",
+     "gate of a correspondence (2 dof; 9.21: 99 %)"},
+    {"huber_sigma", &FilterParams::huber_sigma, 0.5f, 10, "sigma",
+     "where the robust weight begins"},
     {"iterations_max", &FilterParams::iterations_max, 1, 10, "1", "iterations of the update"},
     {"point_cov_scale", &FilterParams::point_cov_scale, 0, 100, "1",
      "times the map points' own covariance"},
@@ -32,7 +34,7 @@ inline constexpr ParamRow<FilterParams> kFilterRows[] = {
 static_assert(sizeof(FilterParams) == std::size(kFilterRows) * sizeof(float));
 
 struct TrackerParams {
-  float keyframe_distance_m = 0.25f;
+  float keyframe_distance_m = 0.4f;
   float keyframe_angle_deg = 12.0f;
   float keyframe_matched_ratio_min = 0.6f;
   float keyframe_interval_s_min = 0.12f;

@@ -1,0 +1,293 @@
+#include "modules/frontend/frontend.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <vector>
+
+#include "core/kernels/hamming/hamming.h"
+#include "modules/testing.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Texture;
+
+constexpr int kSide = 220;  // margins of 20 px and five bins of 36 px
+const Vec3 kDown_C(0, 9.81, 0);
+
+// A plain camera before a texture that slides by.
+struct Slide {
+  explicit Slide(uint32_t seed = 1) : texture(seed) {
+    camera.width = camera.height = kSide;
+    camera.fx = camera.fy = 150;
+    camera.cx = camera.cy = (kSide - 1) / 2.0;
+    params.tracks_target = 200;
+    params.bin_px = 36;
+    frontend->configure(camera, params);
+  }
+  // The point of the scene at (x, y) of the first image is at (x + shift) of this one.
+  std::vector<uint8_t> image(const Vec2& shift, double gain = 1, double offset = 0) const {
+    std::vector<uint8_t> out(kSide * kSide);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x) {
+        const double grey = texture.at((x - shift.x()) / 10, (y - shift.y()) / 10);
+        out[static_cast<size_t>(y * kSide + x)] =
+            static_cast<uint8_t>(std::lround(gain * grey + offset));
+      }
+    }
+    return out;
+  }
+  Status show(const std::vector<uint8_t>& pixels, const Vec3& gravity_C = kDown_C) {
+    frontend->predict(Mat3::Identity());
+    return frontend->process({pixels.data(), kSide, kSide, kSide}, t += 50'000'000, gravity_C);
+  }
+  Tracks& tracks() { return frontend->tracks(); }
+  uint32_t lost(TrackLoss loss) const { return frontend->losses()[static_cast<int>(loss)]; }
+  Track* find(TrackId id) {
+    for (Track& track : tracks()) {
+      if (track.id == id) return &track;
+    }
+    return nullptr;
+  }
+
+  Texture texture;
+  Camera camera;
+  FrontendParams params;
+  std::unique_ptr<Frontend> frontend = std::make_unique<Frontend>();
+  TimeNs t = 0;
+};
+
+TEST(frontend, fills_every_bin_with_a_described_track) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  std::set<int> bins;
+  for (const Track& track : s.tracks()) {
+    bins.insert((static_cast<int>(track.y) - 20) / 36 * 5 + (static_cast<int>(track.x) - 20) / 36);
+    EXPECT_TRUE(track.described);
+    EXPECT_EQ(track.age, 0);
+    for (const Track& other : s.tracks()) {
+      if (other.id == track.id) continue;
+      EXPECT_GE(std::hypot(other.x - track.x, other.y - track.y), s.params.track_spacing_px_min);
+    }
+  }
+  EXPECT_GE(bins.size(), 20u) << "of 25; the spacing may leave some empty";
+}
+
+TEST(frontend, keeps_to_the_number_of_tracks_wanted) {
+  Slide s;
+  s.params.tracks_target = 12;
+  s.frontend->configure(s.camera, s.params);
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  EXPECT_EQ(s.tracks().size(), 12u);
+}
+
+TEST(frontend, ids_persist_and_places_are_sub_pixel) {
+  Slide s;
+  const Vec2 step(3.3, -1.7);
+  std::map<TrackId, Vec2> scene;  // where each track's point was in the first image
+  std::set<TrackId> ever;
+  for (int i = 0; i <= 10; ++i) {
+    const Vec2 shift = i * step;
+    ASSERT_EQ(s.show(s.image(shift)), Status::kOk);
+    for (const Track& track : s.tracks()) {
+      const Vec2 at = Vec2(track.x, track.y) - shift;
+      if (track.age == 0) {
+        EXPECT_TRUE(ever.insert(track.id).second) << "an id is never given twice";
+        scene[track.id] = at;
+      }
+      ASSERT_EQ(scene.count(track.id), 1u);
+      EXPECT_LT((at - scene[track.id]).norm(), 0.1 + 0.02 * track.age) << track.age;
+      if (track.age > 0) {
+        EXPECT_LT((Vec2(track.x - track.x_last, track.y - track.y_last) - step).norm(), 0.1);
+      }
+    }
+  }
+  int old = 0;
+  for (const Track& track : s.tracks()) old += track.age == 10 ? 1 : 0;
+  EXPECT_GE(old, 10) << "33 px of 220 have left, the rest is still followed";
+}
+
+TEST(frontend, large_motion_is_bridged_by_the_pyramid) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const size_t before = s.tracks().size();
+  ASSERT_EQ(s.show(s.image(Vec2(9, -7))), Status::kOk);
+  size_t followed = 0;
+  for (const Track& track : s.tracks()) {
+    if (track.age == 0) continue;
+    ++followed;
+    EXPECT_LT((Vec2(track.x - track.x_last, track.y - track.y_last) - Vec2(9, -7)).norm(), 0.2);
+  }
+  EXPECT_GE(followed, before * 7 / 10);
+}
+
+TEST(frontend, a_good_prediction_bridges_any_motion) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const std::vector<uint8_t> next = s.image(Vec2(60, 0));
+  s.frontend->predict(Mat3::Identity());
+  size_t expected = 0, followed = 0;
+  for (Track& track : s.tracks()) {
+    track.x_pred = track.x + 59;
+    expected += track.x + 60 < kSide - 20 ? 1 : 0;
+  }
+  ASSERT_EQ(s.frontend->process({next.data(), kSide, kSide, kSide}, 1'000'000'000, kDown_C),
+            Status::kOk);
+  for (const Track& track : s.tracks()) followed += track.age == 1 ? 1 : 0;
+  EXPECT_GE(followed, expected * 9 / 10);
+}
+
+TEST(frontend, prediction_turns_with_the_camera) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const Mat3 R_C1C0 = so3_exp(Vec3(0.02, -0.05, 0.1));
+  s.frontend->predict(R_C1C0);
+  for (const Track& track : s.tracks()) {
+    const Vec3 ray(track.x - s.camera.cx, track.y - s.camera.cy, 150);
+    const Vec3 turned = R_C1C0 * ray;
+    EXPECT_NEAR(track.x_pred, s.camera.cx + 150 * turned.x() / turned.z(), 1e-3);
+    EXPECT_NEAR(track.y_pred, s.camera.cy + 150 * turned.y() / turned.z(), 1e-3);
+  }
+}
+
+TEST(frontend, what_leaves_the_image_is_dropped_and_counted) {
+  Slide s;
+  for (int i = 0; i < 12; ++i) {
+    ASSERT_EQ(s.show(s.image(Vec2(-6.0 * i, 0))), Status::kOk);
+    for (const Track& track : s.tracks()) {
+      EXPECT_GE(track.x, 10);
+      EXPECT_LE(track.x, kSide - 11);
+    }
+  }
+  EXPECT_GE(s.lost(TrackLoss::kLeftImage), 8u);
+  EXPECT_GE(s.tracks().size(), 18u) << "bins that came in are filled again";
+}
+
+TEST(frontend, brightness_and_contrast_do_not_move_tracks) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const size_t before = s.tracks().size();
+  ASSERT_EQ(s.show(s.image(Vec2(1.4, 0.6), 0.6, 40)), Status::kOk);
+  size_t followed = 0;
+  for (const Track& track : s.tracks()) {
+    if (track.age == 0) continue;
+    ++followed;
+    EXPECT_LT((Vec2(track.x - track.x_last, track.y - track.y_last) - Vec2(1.4, 0.6)).norm(), 0.15);
+  }
+  EXPECT_GE(followed, before * 9 / 10);
+}
+
+TEST(frontend, another_scene_ends_the_tracks) {
+  Slide s, other(99);
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const size_t before = s.tracks().size();
+  ASSERT_EQ(s.show(other.image(Vec2(0, 0))), Status::kOk);
+  size_t followed = 0;
+  for (const Track& track : s.tracks()) followed += track.age > 0 ? 1 : 0;
+  EXPECT_LE(followed, before / 8);
+}
+
+TEST(frontend, wrong_size_or_older_time_changes_nothing) {
+  Slide s;
+  const std::vector<uint8_t> pixels = s.image(Vec2(0, 0));
+  ASSERT_EQ(s.show(pixels), Status::kOk);
+  const Tracks before = s.tracks();
+  const ImageView image{pixels.data(), kSide, kSide, kSide};
+  const ImageView narrow{pixels.data(), kSide - 1, kSide, kSide};
+  EXPECT_EQ(s.frontend->process(narrow, s.t + 1, kDown_C), Status::kBadData);
+  EXPECT_EQ(s.frontend->process(image, s.t, kDown_C), Status::kBadData);
+  EXPECT_EQ(s.frontend->process(image, s.t - 1, kDown_C), Status::kBadData);
+  ASSERT_EQ(s.tracks().size(), before.size());
+  for (size_t i = 0; i < before.size(); ++i) {
+    EXPECT_EQ(s.tracks()[i].id, before[i].id);
+    EXPECT_EQ(s.tracks()[i].age, before[i].age);
+  }
+  EXPECT_EQ(s.frontend->process(image, s.t + 1, kDown_C), Status::kOk);
+}
+
+TEST(frontend, a_flat_image_has_no_tracks) {
+  Slide s;
+  s.params.corner_response_min = 1;
+  s.frontend->configure(s.camera, s.params);
+  ASSERT_EQ(s.show(std::vector<uint8_t>(kSide * kSide, 77)), Status::kOk);
+  EXPECT_TRUE(s.tracks().empty());
+}
+
+TEST(frontend, of_two_tracks_that_run_together_the_older_stays) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const Track elder = s.tracks()[0];
+  const TrackId younger = s.frontend->start_track(elder.x + 2, elder.y, nullptr);
+  ASSERT_NE(younger, 0u);
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  EXPECT_NE(s.find(elder.id), nullptr);
+  EXPECT_EQ(s.find(younger), nullptr);
+  EXPECT_EQ(s.lost(TrackLoss::kSpacing), 1u);
+}
+
+TEST(frontend, start_track_refuses_the_rim_and_a_full_list) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  EXPECT_EQ(s.frontend->start_track(5, 100, nullptr), 0u);
+  EXPECT_EQ(s.frontend->start_track(100, kSide - 5, nullptr), 0u);
+  Descriptor d{};
+  d.w[2] = 12345;
+  const TrackId id = s.frontend->start_track(100.5f, 101.25f, &d);
+  ASSERT_NE(id, 0u);
+  EXPECT_EQ(s.find(id)->descriptor.w[2], 12345u);
+  while (!s.tracks().full()) ASSERT_NE(s.frontend->start_track(50, 50, nullptr), 0u);
+  EXPECT_EQ(s.frontend->start_track(50, 50, nullptr), 0u);
+}
+
+TEST(frontend, nearest_is_the_nearest_within_the_radius) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  const Track first = s.tracks()[0];
+  const Track* found = s.frontend->nearest(first.x + 1, first.y - 1, 2);
+  ASSERT_NE(found, nullptr);
+  EXPECT_EQ(found->id, first.id);
+  EXPECT_EQ(s.frontend->nearest(first.x + 1, first.y - 1, 1), nullptr);
+}
+
+TEST(frontend, reset_drops_tracks_and_never_reuses_their_ids) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  TrackId newest = 0;
+  for (const Track& track : s.tracks()) newest = std::max(newest, track.id);
+  s.frontend->reset();
+  EXPECT_TRUE(s.tracks().empty());
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  for (const Track& track : s.tracks()) EXPECT_GT(track.id, newest);
+}
+
+// The image is turned by a quarter; gravity turns along, so descriptors must not care.
+TEST(frontend, descriptors_survive_a_roll) {
+  Slide level, rolled;
+  const std::vector<uint8_t> upright = level.image(Vec2(0, 0));
+  std::vector<uint8_t> turned(upright.size());
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) {
+      turned[static_cast<size_t>(x * kSide + kSide - 1 - y)] =
+          upright[static_cast<size_t>(y * kSide + x)];
+    }
+  }
+  ASSERT_EQ(level.show(upright), Status::kOk);
+  ASSERT_EQ(rolled.show(turned, Vec3(-9.81, 0, 0)), Status::kOk);
+  int pairs = 0, alike = 0;
+  for (const Track& track : level.tracks()) {
+    const Track* same = rolled.frontend->nearest(kSide - 1 - track.y, track.x, 1.0f);
+    if (same == nullptr) continue;
+    ++pairs;
+    alike += hamming(track.descriptor, same->descriptor) < 30 ? 1 : 0;
+  }
+  EXPECT_GE(pairs, 15);
+  EXPECT_GE(alike, pairs * 9 / 10);
+}
+
+}  // namespace
+}  // namespace pirvs
