@@ -112,8 +112,7 @@ TEST(mm_reprojection, point_behind_the_camera_is_refused) {
   const Rig rig(CameraModel::kPinholeRadtan);
   const Correspondence z{Vec3(-3, 0, 0), Mat3::Identity(), Vec2(300, 200), 1, 0, Gate::kAccepted};
   Reprojection m;
-  EXPECT_FALSE(
-      linearize_reprojection(SE3{}, z, rig.camera[0], rig.camera[0].T_BC.inverse(), 1, m));
+  EXPECT_FALSE(linearize_reprojection(SE3{}, z, rig.camera[0], rig.camera[0].T_BC.inverse(), 1, m));
 }
 
 TEST(mm_standstill, jacobians_match_numeric) {
@@ -229,8 +228,8 @@ TEST(filter, one_correspondence_equals_the_textbook_update) {
     const Mat15 cov = random.spd<15>(1e-4);
     const Camera& camera = c.rig.camera[0];
     Correspondences one;
-    ASSERT_TRUE(one.push_back(
-        exact(c.rig, state.T_WB, 0, visible_point(random, camera, state.T_WB))));
+    ASSERT_TRUE(
+        one.push_back(exact(c.rig, state.T_WB, 0, visible_point(random, camera, state.T_WB))));
     one[0].uv += random.pixel(1.0);
     c.filter.reset(state, cov);
     ASSERT_EQ(c.filter.update(one), 1);

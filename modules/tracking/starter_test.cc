@@ -94,7 +94,8 @@ struct Start {
   double velocity_error(int k) const {
     const BodyState truth = sway.state(k * kFrame_s);
     return (starter->state().T_WB.R.transpose() * starter->state().v_WB -
-            truth.T_WB.R.transpose() * truth.v_WB).norm();
+            truth.T_WB.R.transpose() * truth.v_WB)
+        .norm();
   }
 
   Random random{21};
