@@ -109,10 +109,12 @@ TEST(imu_link, jacobians_match_numeric) {
     const double h = 1e-6;
     for (int k = 0; k < 15; ++k) {
       const Vec15 step = h * Vec15::Unit(k);
-      const Vec15 n_a = (link_residual(link, boxplus(a, step), b) -
-                         link_residual(link, boxplus(a, -step), b)) / (2 * h);
-      const Vec15 n_b = (link_residual(link, a, boxplus(b, step)) -
-                         link_residual(link, a, boxplus(b, -step))) / (2 * h);
+      const Vec15 n_a =
+          (link_residual(link, boxplus(a, step), b) - link_residual(link, boxplus(a, -step), b)) /
+          (2 * h);
+      const Vec15 n_b =
+          (link_residual(link, a, boxplus(b, step)) - link_residual(link, a, boxplus(b, -step))) /
+          (2 * h);
       EXPECT_LT((n_a - J_a.col(k)).norm(), 1e-5) << "seed " << seed << " a " << k;
       EXPECT_LT((n_b - J_b.col(k)).norm(), 1e-5) << "seed " << seed << " b " << k;
     }
