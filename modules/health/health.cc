@@ -6,6 +6,12 @@
 
 namespace pirvs {
 
+namespace {
+
+constexpr double kFlowNoise_px = 0.04;  // of the median over all tracks, between two images
+
+}  // namespace
+
 const char* name(HealthState state) {
   static constexpr const char* kNames[] = {"initializing", "tracking", "degraded", "lost"};
   static_assert(std::size(kNames) == static_cast<size_t>(HealthState::kCount));
@@ -32,7 +38,8 @@ bool Health::update(TimeNs t, int accepted, double position_sigma_m) {
 }
 
 void StandstillDetector::reset() {
-  count_ = next_ = still_images_ = 0;
+  count_ = next_ = 0;
+  still_s_ = 0;
   w_sigma_ = f_sigma_ = image_px_ = 1e9;
 }
 
@@ -43,9 +50,10 @@ void StandstillDetector::add_imu(const ImuSample& sample) {
   count_ = std::min(count_ + 1, window);
 }
 
-void StandstillDetector::add_image_motion(double median_px) {
+void StandstillDetector::add_image_motion(double median_px, double dt_s) {
   image_px_ = median_px;
-  still_images_ = median_px < params_.standstill_image_px ? still_images_ + 1 : 0;
+  const bool still = median_px < params_.standstill_image_px_s * dt_s + kFlowNoise_px;
+  still_s_ = still ? still_s_ + dt_s : 0.0;
   if (count_ == 0) return;
   w_mean_.setZero();
   f_mean_.setZero();
@@ -67,8 +75,7 @@ void StandstillDetector::add_image_motion(double median_px) {
 bool StandstillDetector::at_rest() const {
   const bool full = count_ >= static_cast<int>(params_.standstill_window);
   return full && w_sigma_ < params_.standstill_gyro_rad_s &&
-         f_sigma_ < params_.standstill_accel_m_s2 &&
-         still_images_ >= static_cast<int>(params_.standstill_images);
+         f_sigma_ < params_.standstill_accel_m_s2 && still_s_ > params_.standstill_image_s;
 }
 
 }  // namespace pirvs

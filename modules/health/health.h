@@ -35,7 +35,7 @@ class StandstillDetector {
   void configure(const HealthParams& params) { params_ = params; }
   void reset();
   void add_imu(const ImuSample& sample);
-  void add_image_motion(double median_px);
+  void add_image_motion(double median_px, double dt_s);  // since the image before
   bool at_rest() const;
   const Vec3& mean_rate_B() const { return w_mean_; }
   const Vec3& mean_force_B() const { return f_mean_; }
@@ -48,7 +48,7 @@ class StandstillDetector {
   int count_ = 0, next_ = 0;
   Vec3 w_mean_ = Vec3::Zero(), f_mean_ = Vec3::Zero();
   double w_sigma_ = 1e9, f_sigma_ = 1e9, image_px_ = 1e9;
-  int still_images_ = 0;
+  double still_s_ = 0;
 };
 
 }  // namespace pirvs

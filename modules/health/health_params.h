@@ -14,8 +14,8 @@ struct HealthParams {
   float standstill_window = 64.0f;
   float standstill_gyro_rad_s = 0.02f;
   float standstill_accel_m_s2 = 0.25f;
-  float standstill_image_px = 0.25f;
-  float standstill_images = 6.0f;
+  float standstill_image_px_s = 5.0f;
+  float standstill_image_s = 0.3f;
 };
 
 inline constexpr ParamRow<HealthParams> kHealthRows[] = {
@@ -30,10 +30,10 @@ inline constexpr ParamRow<HealthParams> kHealthRows[] = {
      "largest spread of the rate at rest"},
     {"standstill_accel_m_s2", &HealthParams::standstill_accel_m_s2, 1e-3f, 10, "m/s^2",
      "largest spread of the force at rest"},
-    {"standstill_image_px", &HealthParams::standstill_image_px, 0.01f, 10, "px",
-     "largest median flow between images at rest"},
-    {"standstill_images", &HealthParams::standstill_images, 1, 100, "1",
-     "still images in a row before the device is at rest"},
+    {"standstill_image_px_s", &HealthParams::standstill_image_px_s, 0.1f, 200, "px/s",
+     "largest median flow at rest, over the noise of flow itself"},
+    {"standstill_image_s", &HealthParams::standstill_image_s, 0.05f, 10, "s",
+     "the image is still for this long before the device is at rest"},
 };
 static_assert(sizeof(HealthParams) == std::size(kHealthRows) * sizeof(float));
 

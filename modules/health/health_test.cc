@@ -74,8 +74,8 @@ struct StandstillCase {
     params.standstill_window = 64;
     params.standstill_gyro_rad_s = 0.02f;
     params.standstill_accel_m_s2 = 0.25f;
-    params.standstill_image_px = 0.25f;
-    params.standstill_images = 6;
+    params.standstill_image_px_s = 4.2f;  // 0.21 px an image, and 0.04 px of noise
+    params.standstill_image_s = 0.28f;    // six images
     detector.configure(params);
     detector.reset();
   }
@@ -85,7 +85,7 @@ struct StandstillCase {
     }
   }
   void images(int count, double px) {
-    for (int i = 0; i < count; ++i) detector.add_image_motion(px);
+    for (int i = 0; i < count; ++i) detector.add_image_motion(px, 0.05);
   }
   HealthParams params;
   StandstillDetector detector;

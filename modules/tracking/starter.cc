@@ -69,8 +69,8 @@ void Starter::add_imu(const ImuSample& sample) {
   (void)imu_.push_back(sample);       // full: the attempt fails for want of samples
 }
 
-bool Starter::wants_keyframe() const {
-  return frames_.size() % static_cast<size_t>(params_.start_keyframe_every) == 0;
+bool Starter::wants_keyframe(TimeNs t) const {
+  return frames_.empty() || to_seconds(t - keyframes_.back().state.t) >= params_.start_keyframe_s;
 }
 
 Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
@@ -91,9 +91,7 @@ Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
     add_points(T_B0B, keyframe);
     add_keyframe(t, keyframe);
   }
-  if (frames_.size() < static_cast<size_t>(params_.start_frames) || keyframe == nullptr) {
-    return Status::kEmpty;
-  }
+  if (keyframe == nullptr || to_seconds(t - frames_[0].t) < params_.start_s) return Status::kEmpty;
   const Status status = finish(standstill, origin);
   if (status == Status::kStale && !keyframes_.full()) return Status::kEmpty;  // look longer
   if (status != Status::kOk) reset();

@@ -26,7 +26,7 @@ class Starter {
 
   void add_imu(const ImuSample& sample);
   // True when this frame should become a keyframe of the start (its stereo matches are needed).
-  bool wants_keyframe() const;
+  bool wants_keyframe(TimeNs t) const;
   // kOk: started, keyframes() and state() hold. kEmpty: more frames needed. kStale: see above.
   // `keyframe`: this frame's observations when wants_keyframe(), otherwise nullptr.
   Status add_frame(TimeNs t, const Tracks& left, const Tracks& right,
@@ -51,7 +51,7 @@ class Starter {
     Vec3 p_B0;
     Mat3 cov;
   };
-  static constexpr int kFramesMax = 48;
+  static constexpr int kFramesMax = 160;
   static constexpr int kPointsMax = 1024;
 
   Status begin(TimeNs t, const Observations* keyframe);

@@ -73,8 +73,8 @@ struct Start {
     for (int i = k == 0 ? 0 : 1; i <= 10; ++i) feel((k - 1) * kFrame_s + i * 0.005);
     const double t_s = k * kFrame_s;
     look(t_s);
-    standstill.add_image_motion(image_motion_px);
-    const bool keyframe = starter->wants_keyframe();
+    standstill.add_image_motion(image_motion_px, kFrame_s);
+    const bool keyframe = starter->wants_keyframe(from_seconds(t_s));
     return starter->add_frame(from_seconds(t_s), tracks[0], tracks[1],
                               keyframe ? observations : nullptr, standstill, origin);
   }

@@ -197,7 +197,9 @@ double Tracker::image_motion(const Frontend& frontend) const {
 FrameResult Tracker::frame(TimeNs t, bool stereo, Frontend* frontends) {
   FrameResult result;
   ++counters_.frames;
-  standstill_.add_image_motion(image_motion(frontends[0]));
+  const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
+  standstill_.add_image_motion(image_motion(frontends[0]), dt_s);
+  last_frame_t_ = t;
   if (!running_) {
     if (stereo) start(t, frontends, result);
     if (!running_) return result;
@@ -234,7 +236,7 @@ FrameResult Tracker::frame(TimeNs t, bool stereo, Frontend* frontends) {
 
 void Tracker::start(TimeNs t, Frontend* frontends, FrameResult& result) {
   const Observations* observations = nullptr;
-  if (starter_.wants_keyframe()) {
+  if (starter_.wants_keyframe(t)) {
     find_stereo(frontends);
     observe(frontends, start_observations_);
     observations = start_observations_;

@@ -94,6 +94,7 @@ class Tracker {
   bool running_ = false;
   SE3 origin_;           // where a restart continues
   SE3 T_WB_last_frame_;  // for flow prediction
+  TimeNs last_frame_t_ = 0;
   Mat3 R_B0B_last_ = Mat3::Identity();
   Preintegration since_keyframe_;
   BodyState last_keyframe_;

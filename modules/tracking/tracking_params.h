@@ -45,8 +45,8 @@ struct TrackerParams {
   float match_radius_px_max = 20.0f;
   float match_sigma_px = 1.5f;
   float misses_max = 3.0f;
-  float start_frames = 16.0f;
-  float start_keyframe_every = 3.0f;
+  float start_s = 0.7f;
+  float start_keyframe_s = 0.14f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
@@ -72,8 +72,8 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "noise of a point matched by descriptor"},
     {"misses_max", &TrackerParams::misses_max, 0, 50, "frames",
      "a track gated out more often in a row is dropped"},
-    {"start_frames", &TrackerParams::start_frames, 6, 40, "frames", "images that a start looks at"},
-    {"start_keyframe_every", &TrackerParams::start_keyframe_every, 1, 10, "frames",
+    {"start_s", &TrackerParams::start_s, 0.2f, 2, "s", "time that a start looks at"},
+    {"start_keyframe_s", &TrackerParams::start_keyframe_s, 0.05f, 0.5f, "s",
      "spacing of the first keyframes"},
 };
 static_assert(sizeof(TrackerParams) == std::size(kTrackerRows) * sizeof(float));
