@@ -10,6 +10,7 @@ namespace pirvs::tools {
 namespace {
 
 constexpr double kDelta_s = 1.0;
+constexpr TimeNs kEndMargin = 1'000'000'000;  // the last frames may lack IMU samples
 
 // Nearest rank: a value that did occur.
 double percentile(const std::vector<double>& sorted, double p) {
@@ -80,7 +81,10 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
     result.evaluation = evaluate(result.trajectory, recording.truth, kDelta_s);
   }
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
-  result.done = status == Status::kOk && !log.frames.empty() && !lost(log.frames.back());
+  if (log.frames.empty()) return result;
+  const TimeNs end = recording.frames.back().t + recording.calibration.camera_time_offset;
+  const bool whole = log.frames.back().t >= end - kEndMargin;
+  result.done = status == Status::kOk && whole && !lost(log.frames.back());
   return result;
 }
 

@@ -82,6 +82,10 @@ TEST(run, result_counts_frames_and_judges) {
   EXPECT_EQ(bad.frames_lost, 5u);
   EXPECT_EQ(bad.exit_status(), 1);
   EXPECT_EQ(make_result(recording, RunLog(0), Status::kBadData).exit_status(), 1);
+  RunLog short_log = make_log(0);
+  short_log.frames.resize(60);  // stopped two seconds early, in good health
+  EXPECT_EQ(make_result(recording, short_log, Status::kOk).frames_dropped, 40u);
+  EXPECT_EQ(make_result(recording, short_log, Status::kOk).exit_status(), 1);
 }
 
 TEST(run, parameters_are_set_by_name_and_checked) {
