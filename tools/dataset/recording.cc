@@ -155,7 +155,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     const ImuNoise noise = fs::exists(own) ? read_imu_noise(own) : ImuNoise{};
     recording.calibration = read_kalibr_calibration(options.calibration, noise);
   }
-  if (options.mono || !fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
+  if (!fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
   read_frames(mav0, recording);
   read_imu(mav0, recording);
   cut(options, recording);

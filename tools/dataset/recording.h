@@ -32,7 +32,6 @@ struct RecordingOptions {
   std::string calibration;  // Kalibr camchain; empty: the folder's own sensor.yaml files
   double start_s = 0;       // skip this much, from the first frame
   double duration_s = 0;    // 0: to the end
-  bool mono = false;        // leave cam1 out
 };
 
 struct Recording {

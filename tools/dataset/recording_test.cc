@@ -77,7 +77,7 @@ TEST(recording, says_which_file_is_missing) {
   PIRVS_EXPECT_SAYS(error_of("/"), "no cam0");
 }
 
-TEST(recording, mono_and_no_truth_are_fine) {
+TEST(recording, one_camera_and_no_truth_are_read) {
   const TestRecording disk;
   std::filesystem::remove_all(disk.path("cam1"));
   std::filesystem::remove_all(disk.path("state_groundtruth_estimate0"));

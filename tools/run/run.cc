@@ -74,6 +74,10 @@ int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
   const Recording recording = open_recording(options.sequence, options.recording);
+  if (recording.calibration.cameras < 2) {
+    throw InputError("only one camera", options.sequence,
+                     "starting needs metric depth from a stereo pair: record cam0 and cam1");
+  }
   make_output_folder(options.out);
   RunLog log(recording.frames.size());
   std::vector<Count> rejected;
@@ -117,7 +121,6 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
   app.add_option("--out", o->out, "folder for the results")->required();
   app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
-  app.add_flag("--mono", o->recording.mono, "use the left camera alone");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
