@@ -27,7 +27,7 @@ inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
      "no new corner nearer to a track"},
     {"corner_response_min", &FrontendParams::corner_response_min, 0, 1e9f, "grey^2",
      "weakest Shi-Tomasi response that becomes a track"},
-    {"lk_levels", &FrontendParams::lk_levels, 1, 5, "1", "pyramid levels that flow is followed on"},
+    {"lk_levels", &FrontendParams::lk_levels, 2, 5, "1", "pyramid levels that flow is followed on"},
     {"lk_iterations_max", &FrontendParams::lk_iterations_max, 1, 30, "1",
      "Gauss-Newton steps per level"},
     {"lk_step_px_min", &FrontendParams::lk_step_px_min, 0.001f, 1, "px",

@@ -19,7 +19,7 @@ struct Triangulated {
   Vec3 p_W;
   Mat3 cov;
   double residual_px_max;
-  double parallax_rad;  // largest angle between two of its rays
+  double parallax_rad;  // largest angle between the first ray and another
 };
 
 bool triangulate(const View* views, int count, double sigma_px, Triangulated& out);

@@ -104,9 +104,9 @@ WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t seque
 
   const Eigen::LDLT<Mat15> H_aa_solver(pair.H_aa);
   next.information = pair.H_bb - pair.H_ab.transpose() * H_aa_solver.solve(pair.H_ab);
-  next.information = (0.5 * (next.information + next.information.transpose())).eval();
   next.gradient = pair.g_b - pair.H_ab.transpose() * H_aa_solver.solve(pair.g_a);
   forget_gauge(params, next);
+  next.information = (0.5 * (next.information + next.information.transpose())).eval();
   return next;
 }
 

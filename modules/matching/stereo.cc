@@ -93,7 +93,7 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
   for (int i = 0; i <= steps; ++i) {
     if (std::abs(i - best) > 3) second = std::min(second, cost[i]);
   }
-  if (static_cast<float>(cost[best]) > params_.ambiguity_ratio_max * static_cast<float>(second)) {
+  if (static_cast<float>(cost[best]) >= params_.ambiguity_ratio_max * static_cast<float>(second)) {
     return StereoLoss::kAmbiguous;
   }
   uv_to = place[best];
