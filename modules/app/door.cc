@@ -5,6 +5,9 @@
 namespace pirvs {
 namespace {
 
+// Beyond what any IMU that we might carry measures (4000 deg/s, 32 g): a broken transfer.
+constexpr double kRate_rad_s_max = 75.0;
+constexpr double kForce_m_s2_max = 320.0;
 constexpr TimeNs kImuGap_ns = 50'000'000;  // ten samples at 200 Hz: reported, then bridged
 
 ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
@@ -20,8 +23,8 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 
 const char* name(DoorLoss loss) {
   static constexpr const char* kNames[] = {
-      "imu_not_finite",   "imu_backwards",     "imu_gap",       "frame_backwards",
-      "frame_before_imu", "frame_without_imu", "camera_missing"};
+      "imu_not_finite",  "imu_out_of_range", "imu_backwards",     "imu_gap",
+      "frame_backwards", "frame_before_imu", "frame_without_imu", "camera_missing"};
   static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }
@@ -38,6 +41,9 @@ bool Door::fetch_imu() {
     if (status != Status::kOk) return false;
     if (!ahead_.w_B.allFinite() || !ahead_.f_B.allFinite()) {
       count(DoorLoss::kImuNotFinite);
+    } else if (ahead_.w_B.cwiseAbs().maxCoeff() > kRate_rad_s_max ||
+               ahead_.f_B.cwiseAbs().maxCoeff() > kForce_m_s2_max) {
+      count(DoorLoss::kImuOutOfRange);
     } else if (has_last_ && ahead_.t <= last_.t) {
       count(DoorLoss::kImuBackwards);
     } else {

@@ -14,6 +14,7 @@ namespace pirvs {
 
 enum class DoorLoss : uint8_t {
   kImuNotFinite,
+  kImuOutOfRange,
   kImuBackwards,
   kImuGap,
   kFrameBackwards,
