@@ -2,6 +2,7 @@
 // Each fault is put into the simulated EuRoC recording in memory (118 frames, first pose ~0.8 s).
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -102,6 +103,46 @@ TEST(fault, imu_samples_that_are_no_numbers) {
   EXPECT_EQ(run.counter("imu_not_finite"), 3u);
 }
 
+TEST(fault, imu_samples_beyond_any_range) {
+  for (const double value : {1e3, 1e30, 1e300}) {
+    Recording spike = recording();
+    const size_t at = imu_index(spike, 2.5);
+    spike.imu[at].w_B.x() = value;
+    spike.imu[at + 1].f_B.z() = -value;
+    const Replay run = replay(spike);
+    print("IMU spike", run);
+    expect_bridged(run);
+    EXPECT_EQ(run.counter("imu_out_of_range"), 2u);
+  }
+}
+
+// Within the sensor's range, but nothing that the body did: the pose may suffer, not the process.
+TEST(fault, imu_spikes_within_range) {
+  Recording spike = recording();
+  const size_t at = imu_index(spike, 2.5);
+  spike.imu[at].w_B.x() = 34.9;
+  spike.imu[at + 1].f_B.z() = -156;
+  const Replay run = replay(spike);
+  print("IMU spike within range", run);
+  for (const tools::TrajectoryPose& pose : run.result.trajectory.poses) {
+    ASSERT_TRUE(pose.p_WB.allFinite() && pose.q_WB.allFinite());
+  }
+  EXPECT_EQ(run.result.exit_status(), 0);
+}
+
+TEST(fault, images_that_stand_still_for_a_second) {
+  Recording frozen = recording();
+  for (size_t i = 60; i < 80; ++i) {
+    for (int c = 0; c < 2; ++c) frozen.frames[i].image[c] = frozen.frames[59].image[c];
+  }
+  const Replay run = replay(frozen);
+  print("frozen for 1 s", run);
+  for (const tools::TrajectoryPose& pose : run.result.trajectory.poses) {
+    ASSERT_TRUE(pose.p_WB.allFinite());
+  }
+  EXPECT_GE(run.result.frames_tracked, 90u);
+}
+
 TEST(fault, stamps_that_repeat_or_go_back) {
   Recording again = recording();
   const size_t at = imu_index(again, 2.5);
@@ -139,7 +180,7 @@ TEST(fault, flat_images_from_the_start_give_no_pose) {
   for (const uint8_t grey : {0, 255}) {
     Recording blind = recording();
     for (FrameFiles& frame : blind.frames) frame.image[0] = frame.image[1] = image_of(grey);
-    const Replay run = replay(blind);
+    const Replay run = replay(blind, grey == 0 ? 1 : 2);
     EXPECT_EQ(run.status, Status::kBadData);
     EXPECT_EQ(run.result.exit_status(), 1);
     EXPECT_EQ(run.result.frames_before_start, run.result.frames_in);
@@ -177,8 +218,8 @@ TEST(fault, sensors_that_end_early) {
 int run_command(const std::string& sequence, const std::string& out) {
   CLI::App options;
   const std::function<int()> run = tools::kRunCommand.declare(options);
-  std::vector<std::string> arguments = {"--out", out, sequence};  // CLI11 wants them reversed
-  std::reverse(arguments.begin(), arguments.end());
+  std::vector<std::string> arguments = {"--out", out, "--duration", "1.5", sequence};
+  std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
   options.parse(arguments);
   return run();
 }

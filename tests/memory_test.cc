@@ -1,5 +1,6 @@
 // Memory: no heap call while the stack runs, and pools within the device's share.
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cstdio>
 #include <cstdlib>
@@ -11,6 +12,7 @@
 #include "bsp/replay/replay.h"
 #include "tests/heap_guard.h"
 #include "tests/recordings.h"
+#include "tests/replay.h"
 #include "tools/dataset/player.h"
 
 namespace pirvs::systems {
@@ -93,11 +95,13 @@ size_t heap_calls(int cores, Sink& sink) {
   recording.rewind();
   bsp::replay_start(recording.source(), bsp::ReplayPace::kFast);
   app.configure(simulated(SimulatedDevice::kEuroc).calibration, AppParams{}, sinks_of(sink));
+  alarm(kReplay_s_max);
   std::optional<HeapGuard> guard;
   if (cores == 1) guard.emplace();
   recording.arm_on_first(&guard);
   const Status status = app.run(board::kPlans[cores - 1], Pace::kAsWeGo);
   guard.reset();
+  alarm(0);
   EXPECT_EQ(status, Status::kOk);
   return HeapGuard::calls();
 }

@@ -9,6 +9,12 @@ namespace {
 
 constexpr double kAteOfPath_max = 0.005;
 
+// Shared: a run takes seconds.
+const Replay& euroc_run() {
+  static const Replay run = replay(simulated(SimulatedDevice::kEuroc));
+  return run;
+}
+
 void expect_tracked(const Replay& run) {
   EXPECT_EQ(run.status, Status::kOk);
   EXPECT_EQ(run.result.exit_status(), 0);
@@ -20,9 +26,8 @@ void expect_tracked(const Replay& run) {
 }
 
 TEST(simulated_flight, euroc_is_tracked_to_half_a_percent) {
-  const Replay run = replay(simulated(SimulatedDevice::kEuroc));
-  print("euroc", run);
-  expect_tracked(run);
+  print("euroc", euroc_run());
+  expect_tracked(euroc_run());
 }
 
 TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
@@ -33,8 +38,8 @@ TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
 
 // One App for the whole process: nothing of one recording may reach the next.
 TEST(simulated_flight, a_run_forgets_the_one_before) {
-  const std::string first = replay(simulated(SimulatedDevice::kEuroc)).trajectory();
-  const Replay between = replay(simulated(SimulatedDevice::kIronsides));
+  const std::string first = euroc_run().trajectory();
+  (void)replay(simulated(SimulatedDevice::kIronsides));
   const Replay again = replay(simulated(SimulatedDevice::kEuroc));
   EXPECT_TRUE(first == again.trajectory()) << "a run depends on the one before";
   EXPECT_EQ(again.counter("starts"), 1u);
