@@ -23,7 +23,7 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 
 const char* name(DoorLoss loss) {
   static constexpr const char* kNames[] = {
-      "imu_not_finite",  "imu_out_of_range", "imu_backwards",     "imu_gap",
+      "imu_not_finite",  "imu_out_of_range", "imu_backwards",     "imu_lost",      "imu_gap",
       "frame_backwards", "frame_before_imu", "frame_without_imu", "camera_missing"};
   static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
@@ -38,7 +38,8 @@ bool Door::fetch_imu() {
   while (!has_ahead_ && !imu_ended_) {
     const Status status = bsp::imu_poll(ahead_);
     if (status == Status::kStale) imu_ended_ = true;
-    if (status != Status::kOk) return false;
+    if (status == Status::kFull) count(DoorLoss::kImuLost);  // this sample is good
+    if (status != Status::kOk && status != Status::kFull) return false;
     if (!ahead_.w_B.allFinite() || !ahead_.f_B.allFinite()) {
       count(DoorLoss::kImuNotFinite);
     } else if (ahead_.w_B.cwiseAbs().maxCoeff() > kRate_rad_s_max ||

@@ -16,6 +16,7 @@ enum class DoorLoss : uint8_t {
   kImuNotFinite,
   kImuOutOfRange,
   kImuBackwards,
+  kImuLost,
   kImuGap,
   kFrameBackwards,
   kFrameBeforeImu,
