@@ -6,7 +6,9 @@
 #include <memory>
 
 #include "board/host/board.h"
+#include "bsp/api/clock.h"
 #include "bsp/replay/replay.h"
+#include "core/trace/trace.h"
 #include "tools/cli/command.h"
 #include "tools/cli/progress.h"
 #include "tools/dataset/input_error.h"
@@ -14,6 +16,7 @@
 #include "tools/report/report.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
+#include "tools/run/trace_file.h"
 
 namespace pirvs::tools {
 namespace {
@@ -24,6 +27,7 @@ struct Options {
   RecordingOptions recording;
   bool real_time = false;
   int cores = 1;
+  bool trace = false;
   std::vector<std::string> set;
 };
 
@@ -87,6 +91,7 @@ int run(const Options& options, const std::string& command) {
     Feed feed(recording);
     bsp::replay_start({&feed, Feed::next_imu, Feed::next_frame, Feed::release_frame},
                       options.real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
+    if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     status = app.run(board::kPlans[options.cores - 1],
                      options.real_time ? Pace::kSensors : Pace::kAsWeGo);
@@ -99,6 +104,7 @@ int run(const Options& options, const std::string& command) {
   const RunInfo info = {command, options.sequence, source_revision(), options.cores};
   write_run_files(options.out, info, recording, log, result, rejected);
   write_file(options.out + "/report.html", make_report(info, recording, log, result, rejected));
+  if (options.trace) write_trace(options.out + "/trace.json");
   print_result(options, result);
   if (!result.done) std::fprintf(stderr, "pirvs: tracking was lost at the end\n");
   return result.exit_status();
@@ -129,6 +135,7 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("--cores", o->cores, "threads; 1: lockstep, same input, same bytes")
       ->capture_default_str()
       ->check(CLI::Range(1, board::kCores));
+  app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
       ->allow_extra_args(false);
   return [o, &app] { return run(*o, joined(app)); };
