@@ -93,6 +93,7 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
   for (int i = 0; i <= steps; ++i) {
     if (std::abs(i - best) > 3) second = std::min(second, cost[i]);
   }
+  if (second == 0) return StereoLoss::kNoTexture;  // flat, or an exact repeat
   if (static_cast<float>(cost[best]) >= params_.ambiguity_ratio_max * static_cast<float>(second)) {
     return StereoLoss::kAmbiguous;
   }
