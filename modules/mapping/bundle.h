@@ -48,7 +48,6 @@ class Bundle {
   int points() const { return static_cast<int>(points_.size()); }
   double cost_before() const { return cost_before_; }
   double cost() const { return cost_; }
-  int iterations() const { return iteration_; }
 
  private:
   struct Frame {

@@ -346,7 +346,7 @@ void Mapper::add_points(size_t window_begin) {
       const bool added =
           bundle_.add_observation(point, entry.frame, entry.camera,
                                   Vec2(entry.observation->x, entry.observation->y)) &&
-          sightings_.push_back({entry.observation});
+          sightings_.push_back(entry.observation);
       PIRVS_ASSERT(added);  // total was limited above
     }
   }
@@ -382,7 +382,7 @@ void Mapper::remove_outliers() {
   for (int p = 0; p < bundle_.points(); ++p) {
     for (int k = 0; k < bundle_.observations(p); ++k, ++at) {
       if (bundle_.residual_sigma(p, k) < params_.outlier_sigma) continue;
-      Observation& sighting = *sightings_[at].observation;
+      Observation& sighting = *sightings_[at];
       Landmark* landmark = map_.landmarks.find(sighting.landmark);
       if (landmark != nullptr && landmark->last_keyframe == newest.sequence) {
         for (TrackId& track : landmark->track) {

@@ -85,10 +85,7 @@ class Mapper {
   FixedVector<Member, Bundle::kFramesMax> members_;  // keyframes in the bundle, oldest first
   int window_first_ = 0;                             // first free one in members_
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
-  struct Sighting {
-    Observation* observation;
-  };
-  FixedVector<Sighting, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
   WindowPrior prior_;
   Mat15 newest_cov_ = Mat15::Identity();
   MappingCounters counters_;

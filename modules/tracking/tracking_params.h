@@ -43,7 +43,6 @@ struct TrackerParams {
   float match_ratio_max = 0.85f;
   float match_radius_px_min = 3.0f;
   float match_radius_px_max = 20.0f;
-  float match_sigma_px = 1.5f;
   float misses_max = 3.0f;
   float start_s = 0.7f;
   float start_keyframe_s = 0.14f;
@@ -68,8 +67,6 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "smallest search window of a projected point"},
     {"match_radius_px_max", &TrackerParams::match_radius_px_max, 1, 200, "px",
      "largest search window of a projected point"},
-    {"match_sigma_px", &TrackerParams::match_sigma_px, 0.1f, 10, "px",
-     "noise of a point matched by descriptor"},
     {"misses_max", &TrackerParams::misses_max, 0, 50, "frames",
      "a track gated out more often in a row is dropped"},
     {"start_s", &TrackerParams::start_s, 0.2f, 2, "s", "time that a start looks at"},
