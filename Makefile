@@ -1,7 +1,7 @@
 # PIRVS: every command of the project. `make` alone lists them.
 #
 # A source belongs to one of five sets by its place and name alone; nothing is listed by hand:
-#   library   *.cc below core, modules, bsp/linux, bsp/replay, board/$(BOARD)
+#   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD)
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
@@ -24,7 +24,8 @@ endif
 # find_cc(folders): every *.cc below those of the folders that exist.
 find_cc = $(if $(wildcard $(1)),$(sort $(shell find $(wildcard $(1)) -name '*.cc' -not -name '.*')))
 
-ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay board/$(BOARD))
+ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
+  board/$(BOARD))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_SYSTEMS := $(call find_cc,tests)
 EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS)
