@@ -1,0 +1,53 @@
+#include "bsp/drivers/rk3399_setup/rk3399_setup.h"
+
+#include <gtest/gtest.h>
+
+#include "bsp/drivers/emulated/bus.h"
+#include "bsp/drivers/emulated/register_file.h"
+
+namespace pirvs::bsp {
+namespace {
+
+using namespace rk3399_setup;
+
+constexpr SetupRow kRows[] = {
+    {kGrf, kGPIO4A_IOMUX, 3 << 2, 1 << 2, "A1: I2C1_SDA"},
+    {kGrf, kGPIO4A_IOMUX, 3 << 4, 1 << 4, "A2: I2C1_SCL"},
+    {kGrf, kGPIO4C_IOMUX, 3 << 4, 1 << 4, "C2: PWM_0"},
+};
+static_assert(is_setup(kRows));
+constexpr SetupRow kOutside[] = {{kGrf, kGPIO4A_IOMUX, 3, 4, "outside its mask"}};
+static_assert(!is_setup(kOutside));
+
+constexpr Register kGrfRegisters[] = {kGPIO4A_IOMUX, kGPIO4C_IOMUX};
+
+struct GrfChip {
+  static constexpr uint32_t kSize = 0x1'0000;
+  emulated::RegisterFile file{kGrfRegisters};
+  uint32_t read(uint32_t offset) { return file.load(offset); }
+  void write(uint32_t offset, uint32_t value) { file.store(offset, value); }
+};
+
+TEST(Rk3399Setup, WritesItsBitsAndLeavesTheOthers) {
+  GrfChip grf;
+  const emulated::Attachment here(kGrf, grf);
+  grf.file.poke(kGPIO4A_IOMUX, 0xffff);
+  apply(kRows);
+  EXPECT_EQ(grf.file.peek(kGPIO4A_IOMUX), 0xffd7u);
+  EXPECT_EQ(grf.file.peek(kGPIO4C_IOMUX), 0x0010u);
+  size_t which = 0;
+  EXPECT_EQ(holds(kRows, which), Status::kOk);
+}
+
+TEST(Rk3399Setup, SeesWhatAResetUndid) {
+  GrfChip grf;
+  const emulated::Attachment here(kGrf, grf);
+  apply(kRows);
+  grf.file.poke(kGPIO4A_IOMUX, 1 << 2);
+  size_t which = 0;
+  EXPECT_EQ(holds(kRows, which), Status::kBadData);
+  EXPECT_EQ(which, 1u);
+}
+
+}  // namespace
+}  // namespace pirvs::bsp
