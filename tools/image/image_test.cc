@@ -184,8 +184,8 @@ TEST_F(Flash, RefusesWhatIsNoCard) {
   spoil(disk + "size", "0\n", "no card");
   spoil(disk + "size", "2048\n", "1 MiB, the image needs 2 MiB");
   const std::string mounts = "proc/self/mountinfo";
-  spoil(mounts, "9 1 8:17 / /media/card rw - vfat /dev/sdz1 rw\n", "sdz1 is mounted on /media");
-  spoil(mounts, "9 1 8:16 / /media/card rw - vfat /dev/sdz rw\n", "sdz is mounted on /media");
+  spoil(mounts, "9 1 8:17 / /run/card rw - vfat /dev/sdz1 rw\n", "sdz1 is mounted on /run");
+  spoil(mounts, "9 1 8:16 / /run/card rw - vfat /dev/sdz rw\n", "sdz is mounted on /run");
   spoil("proc/swaps", "Filename Type\n/dev/sdz1 partition\n", "sdz1 is swap");
   fs::create_directories(root_ / (disk + "sdz1/holders/dm-0"));
   expect_refused("sdz1 belongs to dm-0");

@@ -95,7 +95,7 @@ def check_files(image, files):
 
 
 def check(image, firmware, files):
-    """Raises Bad unless the image holds firmware (a folder, or None) and files where they belong."""
+    """Raises Bad unless firmware (a folder, or None) and files are where they belong."""
     first, last = boot_partition(image)
     name = read_at(image, first * SECTOR + 82, 8)
     if name != b"FAT32   ":
