@@ -1,10 +1,11 @@
 # PIRVS: every command of the project. `make` alone lists them.
 #
-# A source belongs to one of five sets by its place and name alone; nothing is listed by hand:
+# A source belongs to one of six sets by its place and name alone; nothing is listed by hand:
 #   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD)
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
+#   fuzzers   *.cc below tests/fuzz: the parsers' targets for libFuzzer; *_test.cc replays the corpus
 #   benches   *_bench.cc: Google Benchmark
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -15,7 +16,15 @@ MAKEFLAGS += --no-builtin-rules -j$(shell nproc)
 BOARD ?= host
 BUILD ?= build
 OUT := $(BUILD)/$(BOARD)
-OUT_ASAN := $(BUILD)/$(BOARD)-asan
+# Unit tests have the address and UB sanitizers, system tests none. SAN=address or SAN=thread gives
+# both kinds that one.
+SAN ?=
+OUT_SAN := $(BUILD)/$(BOARD)$(if $(filter thread,$(SAN)),-tsan,-asan)
+OUT_TESTED := $(if $(SAN),$(OUT_SAN),$(OUT))
+OUT_FUZZ := $(BUILD)/$(BOARD)-fuzz
+ifneq ($(filter-out address thread,$(SAN)),)
+  $(error SAN=$(SAN): there are address and thread)
+endif
 ifneq ($(BOARD),host)
   $(error BOARD=$(BOARD) cannot be built yet; boards: host)
 endif
@@ -27,16 +36,25 @@ find_cc = $(if $(wildcard $(1)),$(sort $(shell find $(wildcard $(1)) -name '*.cc
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
   board/$(BOARD))
 ALL_TOOLS := $(call find_cc,tools)
-ALL_SYSTEMS := $(call find_cc,tests)
-EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS)
+ALL_FUZZ := $(call find_cc,tests/fuzz)
+ALL_SYSTEMS := $(filter-out $(ALL_FUZZ),$(call find_cc,tests))
+EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ)
 
 BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
-TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS))
-SYSTEM_SRC := $(filter-out $(BENCH_SRC),$(ALL_SYSTEMS))
+TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS)) \
+  $(filter-out %/libfuzzer.cc,$(ALL_FUZZ))
+# Sanitizers bring a malloc of their own: nothing can be counted there.
+SYSTEM_SRC := $(filter-out $(BENCH_SRC) $(if $(SAN),tests/heap_guard.cc tests/memory_test.cc),\
+  $(ALL_SYSTEMS))
 LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
 TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
+# The parsers, and no more: clang compiles them a second time.
+FUZZ_LIB_SRC := $(filter core/math/% core/camera/% modules/app/calibration_check.cc \
+  bsp/linux/assert.cc bsp/linux/console.cc,$(LIB_SRC))
+FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %/player.cc,\
+  $(filter tools/dataset/% tools/run/fault.cc tools/run/parameters.cc,$(TOOL_SRC)))
 
 # ---- flags -------------------------------------------------------------------------------------
 # COMMON goes into every object, tests and tools too: inline functions of Eigen and core must be the
@@ -47,10 +65,14 @@ COMMON := -std=c++17 -march=native -ffp-contract=off -fno-math-errno -Wall -Wext
   -DEIGEN_DONT_VECTORIZE -DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul -DEIGEN_NO_IO \
   -I. -isystem /usr/include/eigen3 -ffile-prefix-map=$(CURDIR)/=
 RELEASE := -O3 -g1
+comma := ,
 # Not among the sanitizers: null (address sees it as well), alignment and object-size, which double
 # the time to compile Eigen and forbid nothing that our chips cannot do.
-SANITIZE := -O1 -g1 -fno-omit-frame-pointer -fsanitize=address,undefined \
-  -fno-sanitize=null,alignment,object-size -fno-sanitize-recover=all
+SANITIZERS := $(if $(filter thread,$(SAN)),-fsanitize=thread,-fsanitize=address$(comma)undefined \
+  -fno-sanitize=null$(comma)alignment$(comma)object-size)
+SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all
+FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
+CLANGXX ?= clang++
 
 BELOW_TOOLS := -fno-exceptions -fno-rtti
 TOOLS := -isystem /usr/include/opencv4
@@ -62,12 +84,13 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run test test-unit test-system bench check format setup clean FORCE
+.PHONY: help all run test test-unit test-system fuzz bench check format setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 22
-	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test), K=name (bench)"
+	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
+	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz)"
 
 all: $(OUT)/pirvs ## build the program, build/host/pirvs
 
@@ -92,15 +115,24 @@ $(SIM).done: | $(OUT)/pirvs
 GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
 test: test-unit test-system ## every test; T=name those whose name contains it
 
-test-unit: $(OUT)/tests ## unit tests alone, sanitizers on
+SAN_OPTIONS := UBSAN_OPTIONS=print_stacktrace=1 TSAN_OPTIONS=suppressions=tests/tsan.supp
+test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/unit.json
-	UBSAN_OPTIONS=print_stacktrace=1 \
-	  $(OUT)/tests --gtest_brief=1 --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
+	$(SAN_OPTIONS) $(OUT_TESTED)/tests --gtest_brief=1 \
+	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
 
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
-	$(OUT)/system_tests --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+	$(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
+	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+
+# New inputs gather in build/fuzz/NAME; worth keeping: -merge=1 them into tests/fuzz/corpus/NAME.
+SECONDS ?= 600
+fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
+	@mkdir -p $(BUILD)/fuzz/$(T)
+	PIRVS_FUZZ=$(T) $(OUT_FUZZ)/fuzz -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 \
+	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
@@ -127,29 +159,35 @@ $(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
 objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
 
 LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
-LIB_OBJ_ASAN := $(call objects,$(OUT_ASAN),$(LIB_SRC))
+LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
 TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
-TOOL_OBJ_ASAN := $(call objects,$(OUT_ASAN),$(TOOL_SRC_NO_MAIN))
+TOOL_OBJ_SAN := $(call objects,$(OUT_SAN),$(TOOL_SRC_NO_MAIN))
 MAIN_OBJ := $(call objects,$(OUT),$(MAIN_SRC))
-TEST_OBJ := $(call objects,$(OUT_ASAN),$(TEST_SRC))
-SYSTEM_OBJ := $(call objects,$(OUT),$(SYSTEM_SRC))
+TEST_OBJ := $(call objects,$(OUT_SAN),$(TEST_SRC))
+SYSTEM_OBJ := $(call objects,$(OUT_TESTED),$(SYSTEM_SRC))
+FUZZ_LIB_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_LIB_SRC))
+FUZZ_TOOL_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_TOOL_SRC))
 BENCH_OBJ := $(call objects,$(OUT),$(BENCH_SRC))
 
-$(LIB_OBJ) $(LIB_OBJ_ASAN): KIND := $(BELOW_TOOLS)
-$(TOOL_OBJ) $(TOOL_OBJ_ASAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ): KIND := $(TOOLS)
+$(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
+$(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ): \
+  KIND := $(TOOLS)
+$(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
 
 # An object appears whole or not at all ($$$$ is the shell's pid): two makes may share one build/.
 define compile
 @mkdir -p $(@D)
-@echo "c++ $<$(if $(filter $(OUT_ASAN)/%,$@), (sanitized))"
+@echo "c++ $<$(if $(filter $(OUT_SAN)/%,$@), (sanitized))"
 @trap 'rm -f $@.$$$$' EXIT; \
   $(CXX) $(COMMON) $(1) $(KIND) -MMD -MP -MF $@.$$$$.d -MT $@ -c $< -o $@.$$$$ \
   || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
 endef
 $(OUT)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
 	$(call compile,$(RELEASE))
-$(OUT_ASAN)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
+$(OUT_SAN)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
 	$(call compile,$(SANITIZE))
+$(OUT_FUZZ)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
+	$(call compile,$(FUZZER) -fsanitize=fuzzer-no-link$(comma)address$(comma)undefined)
 
 # The list changes only when a source comes or goes; then everything is linked again.
 $(BUILD)/sources.list: FORCE
@@ -162,13 +200,13 @@ endef
 $(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT_ASAN)/libpirvs.a: $(LIB_OBJ_ASAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT_SAN)/libpirvs.a: $(LIB_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
 $(OUT)/libtools.a: $(TOOL_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT_ASAN)/libtools.a: $(TOOL_OBJ_ASAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
 
@@ -179,14 +217,16 @@ define link
 endef
 $(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_TOOLS))
-$(OUT)/tests: $(TEST_OBJ) $(OUT_ASAN)/libtools.a $(OUT_ASAN)/libpirvs.a
+$(OUT_TESTED)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
 	$(call link,$(SANITIZE),$(LIBS_TEST))
-$(OUT)/system_tests: $(SYSTEM_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
-	$(call link,$(RELEASE),$(LIBS_TEST))
+$(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a
+	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))
+$(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
+	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,-lyaml-cpp)
 $(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_BENCH))
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
--include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_ASAN) $(TOOL_OBJ) $(TOOL_OBJ_ASAN) $(MAIN_OBJ) \
-  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ))
+-include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_SAN) $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) \
+  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ))
 endif

@@ -9,31 +9,10 @@
 #include "board/host/board.h"
 #include "bsp/replay/replay.h"
 #include "core/base/assert.h"
-#include "tools/dataset/player.h"
+#include "tools/run/feed.h"
 
 namespace pirvs::systems {
 namespace {
-
-struct Feed {
-  const tools::Recording& recording;
-  tools::Player player;
-  size_t imu_at = 0;
-
-  explicit Feed(const tools::Recording& r) : recording(r), player(r) {}
-
-  static bool next_imu(void* context, ImuSample& out) {
-    Feed& feed = *static_cast<Feed*>(context);
-    if (feed.imu_at == feed.recording.imu.size()) return false;
-    out = feed.recording.imu[feed.imu_at++];
-    return true;
-  }
-  static bool next_frame(void* context, StereoFrame& out) {
-    const StereoFrame* const frame = static_cast<Feed*>(context)->player.front();
-    if (frame != nullptr) out = *frame;
-    return frame != nullptr;
-  }
-  static void release_frame(void* context) { static_cast<Feed*>(context)->player.pop(); }
-};
 
 App app;
 
@@ -46,6 +25,14 @@ size_t Replay::counter(const std::string& name) const {
     }
   }
   PIRVS_ASSERT(!"a counter of that name");
+  return 0;
+}
+
+size_t Replay::applied(const std::string& spec) const {
+  for (const tools::Count& fault : faults) {
+    if (fault.name == spec) return fault.value;
+  }
+  PIRVS_ASSERT(!"a fault of that run");
   return 0;
 }
 
@@ -66,16 +53,19 @@ double Replay::ate_of_path() const {
   return result.evaluation.ate_rmse_m / result.evaluation.path_m;
 }
 
-Replay replay(const tools::Recording& recording, int cores) {
-  Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}};
+Replay replay(const tools::Recording& recording, int cores,
+              const std::vector<std::string>& fault_specs) {
+  std::vector<tools::Fault> faults;
+  for (const std::string& spec : fault_specs) faults.push_back(tools::parse_fault(spec));
+  Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}, {}};
   alarm(kReplay_s_max);
   {
-    Feed feed(recording);
-    bsp::replay_start({&feed, Feed::next_imu, Feed::next_frame, Feed::release_frame},
-                      bsp::ReplayPace::kFast);
+    tools::Feed feed(recording, faults);
+    bsp::replay_start(feed.source(), bsp::ReplayPace::kFast);
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
     out.status = app.run(board::kPlans[cores - 1], Pace::kAsWeGo);
-    out.rejected = feed.player.rejected();
+    out.rejected = feed.rejected();
+    out.faults = feed.faults_applied();
   }
   alarm(0);
   out.log.finish(app);

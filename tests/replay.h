@@ -1,5 +1,5 @@
 // Runs the whole stack on a recording inside the test's own process, as `pirvs run` does.
-// In      A Recording, which a test may have changed in memory; the number of cores.
+// In      A Recording, which a test may have changed in memory; the number of cores; faults.
 // Out     What the run has told, its result, and what the player rejected.
 // Frames  as in tools/run.
 // Errors  A run that takes longer than kReplay_s_max ends the process by SIGALRM: it hangs.
@@ -8,6 +8,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/dataset/recording.h"
 #include "tools/run/result.h"
@@ -21,14 +22,18 @@ struct Replay {
   tools::RunLog log;
   tools::RunResult result;
   std::vector<tools::Count> rejected;
+  std::vector<tools::Count> faults;
 
   size_t counter(const std::string& name) const;  // of the stack or the player; asserts if unknown
+  size_t applied(const std::string& spec) const;  // items that this fault changed
   std::string trajectory() const;                 // as trajectory.tum
   double first_pose_s() const;                    // after the first frame; infinite: never
   double ate_of_path() const;                     // ATE rmse as a share of the path
 };
 
-Replay replay(const tools::Recording& recording, int cores = 1);
+// faults: as --fault takes them.
+Replay replay(const tools::Recording& recording, int cores = 1,
+              const std::vector<std::string>& faults = {});
 
 // One line for people: what was measured.
 void print(const char* what, const Replay& replay);

@@ -2,7 +2,8 @@
 // In      Poll; release the frame before polling the next.
 // Out     The oldest frame not yet polled. Its images stay valid until camera_release().
 //         t: middle of the exposure, on the clock of now(). present: bit c says camera c
-//         delivered; the view of a missing image is empty.
+//         delivered; the view of a missing image is empty. late: how much older than t that
+//         camera's image is, 0 for a pair of one trigger; a driver that cannot pair says so here.
 // Frames  image[c] is camera c, distorted pixels, (0,0) = centre of the first pixel.
 // Errors  kEmpty: nothing now. kStale: the stream has ended. kTimeout, kBusFault, kBadData: the
 //         device's fault, and out is undefined.
@@ -22,6 +23,7 @@ struct StereoFrame {
   TimeNs t = 0;
   ImageView image[2];
   uint8_t present = 0;
+  TimeNs late[2] = {0, 0};
 };
 
 namespace bsp {

@@ -1,6 +1,7 @@
 // Named output files, at most kFilesMax open at a time; no heap.
-// In      A name without directory (the backend knows where), bytes.
-// Out     A File to write to and close. Opening an existing name empties it.
+// In      A name relative to where the backend puts files, '/' between folders; bytes.
+// Out     A File to write to and close. Opening an existing name empties it; folders of the name
+//         that are missing are made, where the backend has folders.
 // Frames  none.
 // Errors  open: kFull (too many open), kNotFound (no such directory), kBusFault.
 //         write, close: kFull (disk full or over quota), kBusFault (I/O error). After an error the

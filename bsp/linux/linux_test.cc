@@ -72,8 +72,21 @@ TEST_F(LinuxStorage, ReportsAFullDisk) {
   EXPECT_EQ(storage_close(file), Status::kOk);
 }
 
-TEST_F(LinuxStorage, ReportsAMissingDirectoryAndTooManyFiles) {
-  EXPECT_EQ(storage_open("missing/log").status(), Status::kNotFound);
+TEST_F(LinuxStorage, MakesTheFoldersOfAName) {
+  const File file = storage_open("a/b/c").value();
+  EXPECT_EQ(storage_write(file, "x", 1), Status::kOk);
+  EXPECT_EQ(storage_close(file), Status::kOk);
+  std::string read;
+  std::getline(std::ifstream(std::string(directory_) + "/a/b/c"), read);
+  EXPECT_EQ(read, "x");
+  for (const char* name : {"/a/b/c", "/a/b", "/a"}) {
+    EXPECT_EQ(remove((std::string(directory_) + name).c_str()), 0);
+  }
+}
+
+TEST_F(LinuxStorage, ReportsAFileWhereAFolderShouldBeAndTooManyFiles) {
+  EXPECT_EQ(storage_close(storage_open("log").value()), Status::kOk);
+  EXPECT_EQ(storage_open("log/deeper").status(), Status::kNotFound);
   File files[kFilesMax];
   for (File& file : files) file = storage_open("log").value();
   EXPECT_EQ(storage_open("log").status(), Status::kFull);

@@ -4,6 +4,8 @@
 #include <fcntl.h>
 #include <limits.h>
 #include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include "bsp/api/storage.h"
@@ -32,6 +34,16 @@ Status status_of_errno() {
   }
 }
 
+// The folders of a path, from the first slash behind the storage's own directory on.
+void make_folders(char* path, size_t from) {
+  for (size_t i = from; path[i] != '\0'; ++i) {
+    if (path[i] != '/') continue;
+    path[i] = '\0';
+    (void)mkdir(path, 0755);  // open() tells when this was in vain
+    path[i] = '/';
+  }
+}
+
 int& slot_of(File file) {
   PIRVS_ASSERT(file.id >= 0 && file.id < kFilesMax && storage.fd_plus_1[file.id] != 0);
   return storage.fd_plus_1[file.id];
@@ -48,7 +60,12 @@ Result<File> storage_open(const char* name) {
   char path[PATH_MAX];
   const int length = snprintf(path, sizeof path, "%s/%s", storage.directory, name);
   if (length < 0 || length >= PATH_MAX) return Status::kNotFound;
-  const int fd = open(path, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC;
+  int fd = open(path, kFlags, 0644);
+  if (fd < 0 && errno == ENOENT) {
+    make_folders(path, strlen(storage.directory) + 1);
+    fd = open(path, kFlags, 0644);
+  }
   if (fd < 0) return status_of_errno();
   storage.fd_plus_1[id] = fd + 1;
   return File{id};

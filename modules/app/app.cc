@@ -23,7 +23,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   calibration_ = calibration;
   params_ = params;
   sinks_ = sinks;
-  door_.configure(calibration.camera_time_offset);
+  door_.configure(calibration, params.door);
   for (int c = 0; c < kCamerasMax; ++c) {
     frontend_[c].configure(calibration.camera[c], params.frontend);
   }
@@ -31,6 +31,34 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   tracker_.configure(calibration.camera, noise, params.tracking, &keyframe_ring_, &map_mailbox_);
   mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
+}
+
+Status App::record() {
+  const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
+                                        calibration_.camera_time_offset);
+  if (status != Status::kOk) {
+    recorder_.finish();
+    return status;
+  }
+  const auto imu = [](void* r, const ImuSample& sample) { static_cast<Recorder*>(r)->imu(sample); };
+  const auto frame = [](void* r, const StereoFrame& f) { static_cast<Recorder*>(r)->frame(f); };
+  door_.configure(calibration_, params_.door, {&recorder_, imu, frame});
+  return Status::kOk;
+}
+
+Status App::start_recorder() {
+  if (!recorder_.started()) return Status::kOk;
+  const auto entry = [](void* r) { static_cast<Recorder*>(r)->run(bsp::relax); };
+  return bsp::start_core(plan_.cores, entry, &recorder_);
+}
+
+// Time does not go on from the item before: nothing can be carried over but the map's frame.
+void App::interrupt(TimeNs t) {
+  tracker_.interrupt();
+  for (Frontend& frontend : frontend_) frontend.reset();
+  if (sinks_.health != nullptr) {
+    sinks_.health(sinks_.context, t, tracker_.health(), "input interrupted");
+  }
 }
 
 void App::deliver(const ImuSample& sample) {
@@ -67,6 +95,10 @@ Step App::door_step() {
   if (mapper_.finished() == tracker_.sent()) mapping_pending_t_ = door_t_;
   if (world_waits(door_t_)) return Step::kIdle;
   DoorItem item;
+  if (recorder_.started() && pace_ == Pace::kAsWeGo && !recorder_.has_room()) {
+    bsp::relax();
+    return Step::kAgain;
+  }
   const Status status = door_.next(item);
   if (status == Status::kStale && mapper_.finished() == tracker_.sent()) scheduler_->stop();
   if (status != Status::kOk) return Step::kIdle;
@@ -75,6 +107,7 @@ Step App::door_step() {
     PIRVS_TRACE("door.frame");
     begin_frame(item.frame);
   } else {
+    if (item.broken) interrupt(item.imu.t);
     deliver(item.imu);
   }
   return Step::kAgain;
@@ -167,6 +200,7 @@ Status App::run(const CorePlan& plan, Pace pace) {
   };
   Scheduler scheduler(tasks, {bsp::now, bsp::relax});
   scheduler_ = &scheduler;
+  PIRVS_TRY(start_recorder());
   if (plan.cores == 1 && pace == Pace::kAsWeGo) {
     scheduler.run_until_idle();
   } else {
@@ -183,8 +217,9 @@ Status App::run(const CorePlan& plan, Pace pace) {
       if (bsp::start_core(i, entry, &cores[i]) != Status::kOk) return Status::kBusFault;
     }
     scheduler.run(0);
-    bsp::join_cores();
   }
+  recorder_.stop();
+  bsp::join_cores();
   scheduler_ = nullptr;
   for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler.counters(static_cast<size_t>(i));
   flush_report();
@@ -196,10 +231,11 @@ int App::pools(NamedValue* out, int max) {
       {"frontend", sizeof(frontend_)},
       {"tracker", sizeof(tracker_)},
       {"mapper", sizeof(mapper_)},
+      {"recorder", sizeof(recorder_)},
       {"keyframe_ring", sizeof(keyframe_ring_)},
       {"map_mailbox", sizeof(map_mailbox_)},
       {"app", sizeof(App) - sizeof(frontend_) - sizeof(tracker_) - sizeof(mapper_) -
-                  sizeof(keyframe_ring_) - sizeof(map_mailbox_)},
+                  sizeof(recorder_) - sizeof(keyframe_ring_) - sizeof(map_mailbox_)},
   };
   int count = 0;
   for (const NamedValue& row : table) {
@@ -214,8 +250,12 @@ int App::counters(NamedValue* out, int max) const {
     if (count < max) out[count++] = {name, value};
   };
   for (int i = 0; i < static_cast<int>(DoorLoss::kCount); ++i) {
-    add(name(static_cast<DoorLoss>(i)), door_.losses()[i]);
+    add(name(static_cast<DoorLoss>(i)), door_.losses().count[i]);
   }
+  for (int i = 0; recorder_.started() && i < static_cast<int>(RecordLoss::kCount); ++i) {
+    add(name(static_cast<RecordLoss>(i)), recorder_.losses(static_cast<RecordLoss>(i)));
+  }
+  if (recorder_.started()) add("frames_recorded", recorder_.frames_written());
   for (int i = 0; i < static_cast<int>(TrackLoss::kCount); ++i) {
     add(name(static_cast<TrackLoss>(i)), frontend_[0].losses()[i] + frontend_[1].losses()[i]);
   }

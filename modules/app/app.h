@@ -17,6 +17,7 @@
 #include "modules/frontend/frontend.h"
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapper.h"
+#include "modules/recorder/recorder.h"
 #include "modules/tracking/tracker.h"
 
 namespace pirvs {
@@ -46,6 +47,7 @@ struct AppSinks {
 };
 
 struct AppParams {
+  DoorParams door;
   ImuParams imu;
   FrontendParams frontend;
   TrackingParams tracking;
@@ -74,6 +76,10 @@ class App {
  public:
   // Forgets everything from an earlier run.
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
+  // Between configure() and run(): whatever comes to the door is also written by bsp/api/storage.h
+  // as an ASL folder, from a core of its own, the first that the plan leaves free. kBusFault,
+  // kFull, kNotFound: the storage refuses.
+  Status record();
   // Runs until the sensors end. kAsWeGo on one core is lockstep: the next sample comes when nothing
   // is left to do, so that the same input gives the same bytes; on several, mapping may lag by at
   // most kMappingLag_ns of sensor time.
@@ -93,6 +99,8 @@ class App {
   Step tracking_step();
   Step mapping_step();
   bool world_waits(TimeNs t) const;
+  void interrupt(TimeNs t);
+  Status start_recorder();
   void begin_frame(const DoorFrame& frame);
   void deliver(const ImuSample& sample);
   void flush_report();
@@ -104,6 +112,7 @@ class App {
   Frontend frontend_[kCamerasMax];
   Tracker tracker_;
   Mapper mapper_;
+  Recorder recorder_;
   KeyframeRing keyframe_ring_;
   MapMailbox map_mailbox_;
 

@@ -1,30 +1,24 @@
-// The sensor door: one stream, ordered by sensor time, on the IMU's clock.
+// The sensor door: one stream, ordered by sensor time, on the IMU's clock, of what the sensors can
+// have sensed.
 // In      bsp::imu_poll and bsp::camera_poll, each in its own order.
 // Out     next(): IMU samples, then a frame once a sample exactly at its time has been handed out
-//         (interpolated when the IMU has none there).
+//         (interpolated when the IMU has none there). A frame may lack one image or both. broken:
+//         time does not go on from the item before; whoever integrates must start anew.
 // Units   ns, rad/s, m/s^2.
-// Errors  kEmpty: nothing now. kStale: the sensors have ended. Bad samples are dropped and counted.
-// Cost    negligible. Source: docs/architecture.md.
+// Errors  kEmpty: nothing now. kStale: the sensors have ended. Bad input is dropped and counted:
+//         docs/faults.md. Cameras that stay silent delay the IMU by frame_wait_s at most.
+// Cost    ~6 us a stereo frame, for its checksums. Source: docs/architecture.md.
 #pragma once
 
 #include "bsp/api/camera.h"
 #include "bsp/api/imu.h"
+#include "modules/app/calibration.h"
+#include "modules/app/door_loss.h"
+#include "modules/app/door_params.h"
+#include "modules/app/image_guard.h"
+#include "modules/app/imu_guard.h"
 
 namespace pirvs {
-
-enum class DoorLoss : uint8_t {
-  kImuNotFinite,
-  kImuOutOfRange,
-  kImuBackwards,
-  kImuLost,
-  kImuGap,
-  kFrameBackwards,
-  kFrameBeforeImu,
-  kFrameWithoutImu,
-  kCameraMissing,
-  kCount
-};
-const char* name(DoorLoss loss);
 
 struct DoorFrame {
   TimeNs t = 0;  // on the IMU's clock
@@ -33,34 +27,50 @@ struct DoorFrame {
 
 struct DoorItem {
   bool is_frame = false;
+  bool broken = false;
   ImuSample imu;
   DoorFrame frame;
 };
 
+// Sees everything that comes in, before any of it is judged.
+struct DoorTap {
+  void* context = nullptr;
+  void (*imu)(void*, const ImuSample&) = nullptr;
+  void (*frame)(void*, const StereoFrame&) = nullptr;  // its images are valid during the call
+};
+
 class Door {
  public:
-  void configure(TimeNs camera_time_offset);
+  void configure(const Calibration& calibration, const DoorParams& params, const DoorTap& tap = {});
   // A frame handed out stays valid until release().
   Status next(DoorItem& out);
   void release();
-  const uint32_t* losses() const { return losses_; }
+  const DoorLosses& losses() const { return losses_; }
 
  private:
   bool fetch_imu();
   bool fetch_frame();
+  bool is_late(const DoorFrame& frame, DoorLoss& why) const;
   void drop_frame(DoorLoss why);
-  void count(DoorLoss loss) { ++losses_[static_cast<int>(loss)]; }
+  bool imu_may_pass_silent_cameras();
+  void hand_out(DoorItem& out, const ImuSample& sample, bool broken);
 
-  TimeNs offset_ = 0;
+  DoorParams params_;
+  DoorTap tap_;
+  TimeNs offset_ = 0, break_ = 0, frame_wait_ = 0;
+  ImuGuard imu_guard_;
+  ImageGuard image_guard_;
   ImuSample last_;  // handed out
   bool has_last_ = false;
-  ImuSample ahead_;  // fetched, not handed out
+  GoodSample ahead_;  // fetched, not handed out
   bool has_ahead_ = false;
   DoorFrame frame_;
   bool has_frame_ = false;
   TimeNs last_frame_t_ = INT64_MIN;
   bool imu_ended_ = false, frames_ended_ = false;
-  uint32_t losses_[static_cast<int>(DoorLoss::kCount)] = {};
+  TimeNs silent_since_ = 0;  // by the machine's clock; 0: the cameras are heard
+  bool silence_counted_ = false;
+  DoorLosses losses_;
 };
 
 }  // namespace pirvs

@@ -21,6 +21,7 @@ class Health {
   void started(TimeNs t);
   // Returns true when the state changed.
   bool update(TimeNs t, int accepted, double position_sigma_m);
+  void lost() { state_ = HealthState::kLost; }
   HealthState state() const { return state_; }
 
  private:

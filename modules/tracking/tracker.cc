@@ -215,11 +215,7 @@ FrameResult Tracker::frame(TimeNs t, bool stereo, Frontend* frontends) {
     const double sigma_m = std::sqrt(filter_.cov().diagonal().segment<3>(3).maxCoeff());
     result.health_changed = health_.update(t, result.accepted, sigma_m);
     if (health_.state() == HealthState::kLost) {
-      ++counters_.losses;
-      running_ = false;
-      origin_ = filter_.state().T_WB;
-      starter_.reset();
-      view_.clear();
+      lose();
       return result;
     }
     if (stereo && keyframe_due(t, frontends)) {
@@ -232,6 +228,27 @@ FrameResult Tracker::frame(TimeNs t, bool stereo, Frontend* frontends) {
   result.has_pose = true;
   ++counters_.frames_with_pose;
   return result;
+}
+
+void Tracker::lose() {
+  ++counters_.losses;
+  running_ = false;
+  origin_ = filter_.state().T_WB;
+  starter_.reset();
+  view_.clear();
+}
+
+void Tracker::interrupt() {
+  if (running_) {
+    lose();
+    health_.lost();
+  }
+  starter_.reset();
+  standstill_.reset();
+  has_imu_ = false;
+  history_size_ = 0;
+  last_frame_t_ = 0;
+  R_BlBn_.setIdentity();
 }
 
 void Tracker::start(TimeNs t, Frontend* frontends, FrameResult& result) {

@@ -58,6 +58,9 @@ class Tracker {
   // `stereo`: both cameras delivered. Without, the frame is tracked but never becomes a keyframe.
   FrameResult frame(TimeNs t, bool stereo, Frontend* frontends);
 
+  // Time does not go on from the last sample: what runs is lost, a new start continues its place.
+  void interrupt();
+
   uint32_t sent() const { return sequence_; }  // keyframes so far, the newest one's sequence
   bool running() const { return running_; }
   const BodyState& state() const { return filter_.state(); }
@@ -73,6 +76,7 @@ class Tracker {
   void collect(Frontend* frontends);
   void count_misses(Frontend* frontends);
   double image_motion(const Frontend& frontend) const;
+  void lose();
   void start(TimeNs t, Frontend* frontends, FrameResult& result);
   bool keyframe_due(TimeNs t, const Frontend* frontends) const;
   void find_stereo(Frontend* frontends);

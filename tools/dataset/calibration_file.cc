@@ -36,7 +36,7 @@ class Source {
 
   template <class T>
   T get(const YAML::Node& node, const char* key) const {
-    if (!node[key]) fail("missing value", key);
+    if (!node.IsMap() || !node[key]) fail("missing value", key);
     try {
       return node[key].as<T>();
     } catch (const YAML::Exception&) {
@@ -117,6 +117,16 @@ Camera read_intrinsics(const Source& source, const YAML::Node& node, const char*
   return camera;
 }
 
+// Kalibr's key; our own recordings have it in the ASL sensor.yaml, too.
+TimeNs time_offset(const Source& source, const YAML::Node& camera) {
+  constexpr const char* kKey = "timeshift_cam_imu";
+  constexpr double kOffset_s_max = 1e6;
+  if (!camera[kKey]) return 0;
+  const auto shift_s = source.get<double>(camera, kKey);
+  if (!(std::abs(shift_s) < kOffset_s_max)) source.fail("needs a number of seconds", kKey);
+  return from_seconds(shift_s);
+}
+
 ImuNoise imu_noise(const Source& source) {
   ImuNoise noise;
   const YAML::Node& root = source.root();
@@ -137,6 +147,14 @@ ImuNoise imu_noise(const Source& source) {
 
 ImuNoise read_imu_noise(const std::string& path) { return imu_noise(Source(path)); }
 
+Camera read_asl_camera(const std::string& path, TimeNs& offset) {
+  const Source source(path);
+  Camera camera = read_intrinsics(source, source.root(), "distortion_coefficients");
+  camera.T_BC = asl_transform(source);
+  offset = time_offset(source, source.root());
+  return camera;
+}
+
 Calibration read_asl_calibration(const std::string& mav0) {
   Calibration out;
   const Source imu(mav0 + "/imu0/sensor.yaml");
@@ -145,9 +163,10 @@ Calibration read_asl_calibration(const std::string& mav0) {
   const SE3 T_SB = imu.root()["T_BS"] ? asl_transform(imu).inverse() : SE3{};
   out.cameras = std::filesystem::exists(mav0 + "/cam1") ? 2 : 1;
   for (int c = 0; c < out.cameras; ++c) {
-    const Source source(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml");
-    out.camera[c] = read_intrinsics(source, source.root(), "distortion_coefficients");
-    out.camera[c].T_BC = T_SB * asl_transform(source);
+    TimeNs offset = 0;
+    out.camera[c] = read_asl_camera(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml", offset);
+    out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
+    if (c == 0) out.camera_time_offset = offset;
   }
   return out;
 }
@@ -162,7 +181,7 @@ Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noi
   for (int c = 0; c < out.cameras; ++c) {
     const std::string name = "cam" + std::to_string(c);
     const YAML::Node camera = source.root()[name];
-    if (!camera) source.fail("missing value", name);
+    if (!camera || !camera.IsMap()) source.fail("missing value", name);
     out.camera[c] = read_intrinsics(source, camera, "distortion_coeffs");
     const bool own = bool(camera["T_cam_imu"]);
     if (!own && c == 0) source.fail("missing value (camchain-imucam.yaml has it)", "T_cam_imu");
@@ -171,8 +190,7 @@ Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noi
     out.camera[c].T_BC = T_CB.inverse();
     T_CB_before = T_CB;
   }
-  const YAML::Node shift = source.root()["cam0"]["timeshift_cam_imu"];
-  if (shift) out.camera_time_offset = from_seconds(shift.as<double>());
+  out.camera_time_offset = time_offset(source, source.root()["cam0"]);
   return out;
 }
 

@@ -1,5 +1,6 @@
 // What    Reads a calibration: the sensor.yaml files of an ASL folder, or Kalibr's camchain.
-// In      ASL: pinhole + radial-tangential | equidistant, T_BS 4 x 4.
+// In      ASL: pinhole + radial-tangential | equidistant, T_BS 4 x 4, perhaps
+//         timeshift_cam_imu.
 //         Kalibr camchain-imucam.yaml: pinhole + radtan | equidistant, T_cam_imu or T_cn_cnm1,
 //         timeshift_cam_imu; and imu.yaml beside it, if there is one.
 // Out     A Calibration; cameras = 1 if there is only cam0.
@@ -20,6 +21,9 @@ Calibration read_asl_calibration(const std::string& mav0);
 
 // noise: used for the IMU if no imu.yaml stands beside the camchain.
 Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise);
+
+// One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
+Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset);
 
 // Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
 ImuNoise read_imu_noise(const std::string& path);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdio>
 #include <opencv2/imgcodecs.hpp>
+#include <string>
 
 #include "tools/dataset/input_error.h"
 
@@ -28,6 +29,18 @@ bool read_file(const std::string& path, std::vector<uint8_t>& out) {
   return true;
 }
 
+// "P5 width height 255" and one byte a pixel: the size says it all. Other headers are the
+// decoder's.
+bool pgm_cut_off(const std::vector<uint8_t>& file) {
+  const std::string head(file.begin(),
+                         file.begin() + std::ptrdiff_t(std::min<size_t>(64, file.size())));
+  size_t width = 0, height = 0;
+  int pixels = 0;
+  if (std::sscanf(head.c_str(), "P5 %zu %zu 255%n", &width, &height, &pixels) < 2) return false;
+  if (pixels == 0 || width > UINT16_MAX || height > UINT16_MAX) return pixels == 0;
+  return file.size() < size_t(pixels) + 1 + width * height;
+}
+
 // Decoders fill what is missing of a cut-off file with grey and do not tell; its end marker does.
 bool cut_off(const std::vector<uint8_t>& file) {
   static constexpr std::array<uint8_t, 2> kJpegBegin = {0xFF, 0xD8};
@@ -43,7 +56,7 @@ bool cut_off(const std::vector<uint8_t>& file) {
   };
   if (begins(kJpegBegin)) return !ends(kJpegEnd);
   if (begins(kPngBegin)) return !ends(kPngEnd);
-  return false;
+  return pgm_cut_off(file);
 }
 
 }  // namespace

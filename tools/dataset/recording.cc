@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "modules/app/calibration_check.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/text_table.h"
@@ -16,44 +17,25 @@ namespace fs = std::filesystem;
 constexpr TimeNs kPairing = 1'000'000;     // one trigger: stamps of a pair are this close
 constexpr TimeNs kImuMargin = 50'000'000;  // IMU kept around a cut-out, to interpolate at its ends
 
-void count(Recording& recording, const char* name, size_t value = 1) {
-  for (Count& c : recording.rejected) {
+void count(std::vector<Count>& counts, const char* name, size_t value = 1) {
+  for (Count& c : counts) {
     if (c.name == name) {
       c.value += value;
       return;
     }
   }
-  recording.rejected.push_back({name, value});
+  counts.push_back({name, value});
 }
 
-struct ImageRow {
-  TimeNs t;
-  std::string path;
-};
-
-std::vector<ImageRow> read_images(const std::string& camera_folder, Recording& recording) {
-  TextTable table(camera_folder + "/data.csv", "list of images");
-  std::vector<ImageRow> rows;
-  while (table.next()) {
-    const auto t = table.stamp(0);
-    if (!t || table.columns() < 2) {
-      if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
-      count(recording, "image_rows_truncated");
-    } else if (!rows.empty() && *t <= rows.back().t) {
-      count(recording, "image_stamps_not_rising");
-    } else {
-      rows.push_back({*t, camera_folder + "/data/" + std::string(table.text(1))});
-    }
-  }
-  if (rows.empty()) {
-    throw InputError("no images listed", camera_folder + "/data.csv", "check the recording");
-  }
-  return rows;
+std::vector<ListedImage> read_images(const std::string& camera_folder, Recording& recording) {
+  auto images = read_image_list(camera_folder + "/data.csv", recording.rejected);
+  for (ListedImage& image : images) image.file.insert(0, camera_folder + "/data/");
+  return images;
 }
 
 void read_frames(const std::string& mav0, Recording& recording) {
-  const std::vector<ImageRow> left = read_images(mav0 + "/cam0", recording);
-  std::vector<ImageRow> right;
+  const std::vector<ListedImage> left = read_images(mav0 + "/cam0", recording);
+  std::vector<ListedImage> right;
   if (recording.calibration.cameras == 2) right = read_images(mav0 + "/cam1", recording);
   size_t i = 0;
   size_t j = 0;
@@ -64,41 +46,12 @@ void read_frames(const std::string& mav0, Recording& recording) {
     const bool use_right = t_right <= t_left || t_right - t_left <= kPairing;
     FrameFiles frame;
     frame.t = use_left ? t_left : t_right;
-    if (use_left) frame.image[0] = left[i++].path;
-    if (use_right) frame.image[1] = right[j++].path;
-    if (!use_left) count(recording, "frames_without_left");
-    if (!use_right && recording.calibration.cameras == 2) count(recording, "frames_without_right");
+    if (use_left) frame.image[0] = left[i++].file;
+    if (use_right) frame.image[1] = right[j++].file;
+    if (!use_left) count(recording.rejected, "frames_without_left");
+    if (!use_right && recording.calibration.cameras == 2)
+      count(recording.rejected, "frames_without_right");
     recording.frames.push_back(frame);
-  }
-}
-
-void read_imu(const std::string& mav0, Recording& recording) {
-  TextTable table(mav0 + "/imu0/data.csv", "IMU samples");
-  constexpr size_t kValues = 6;
-  while (table.next()) {
-    const auto t = table.stamp(0);
-    double v[kValues] = {};
-    bool complete = t && table.columns() > kValues;
-    bool finite = true;
-    for (size_t k = 0; k < kValues && complete; ++k) {
-      const auto value = table.number(k + 1);
-      complete = value.has_value();
-      v[k] = value.value_or(0);
-      finite = finite && std::isfinite(v[k]);
-    }
-    if (!complete) {
-      if (!table.cut_off()) table.fail("needs 7 numbers", "remove or repair the line");
-      count(recording, "imu_rows_truncated");
-    } else if (!finite) {
-      count(recording, "imu_samples_not_finite");
-    } else if (!recording.imu.empty() && *t <= recording.imu.back().t) {
-      count(recording, "imu_stamps_not_rising");
-    } else {
-      recording.imu.push_back({*t, Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
-    }
-  }
-  if (recording.imu.empty()) {
-    throw InputError("no IMU samples", mav0 + "/imu0/data.csv", "check the recording");
   }
 }
 
@@ -134,6 +87,56 @@ void check_overlap(const Recording& recording) {
 
 }  // namespace
 
+std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected) {
+  TextTable table(path, "list of images");
+  std::vector<ListedImage> images;
+  while (table.next()) {
+    const auto t = table.stamp(0);
+    if (!t || table.columns() < 2) {
+      if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
+      count(rejected, "image_rows_truncated");
+    } else if (!images.empty() && *t <= images.back().t) {
+      count(rejected, "image_stamps_not_rising");
+    } else {
+      images.push_back({*t, std::string(table.text(1))});
+    }
+  }
+  if (images.empty()) throw InputError("no images listed", path, "check the recording");
+  return images;
+}
+
+std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected) {
+  TextTable table(path, "IMU samples");
+  std::vector<ImuSample> samples;
+  constexpr size_t kValues = 6;
+  while (table.next()) {
+    const auto t = table.stamp(0);
+    double v[kValues] = {};
+    bool complete = t && table.columns() > kValues;
+    bool finite = true;
+    for (size_t k = 0; k < kValues && complete; ++k) {
+      const auto value = table.number(k + 1);
+      complete = value.has_value();
+      v[k] = value.value_or(0);
+      finite = finite && std::isfinite(v[k]);
+    }
+    if (!complete) {
+      if (!table.cut_off()) table.fail("needs 7 numbers", "remove or repair the line");
+      count(rejected, "imu_rows_truncated");
+    } else if (!finite) {
+      count(rejected, "imu_samples_not_finite");
+    } else if (!samples.empty() && *t <= samples.back().t) {
+      count(rejected, "imu_stamps_not_rising");
+    } else {
+      samples.push_back({*t, Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
+    }
+  }
+  if (samples.empty()) {
+    throw InputError("no IMU samples", path, "check the recording");
+  }
+  return samples;
+}
+
 double Recording::duration_s() const {
   return frames.empty() ? 0 : to_seconds(frames.back().t - frames.front().t);
 }
@@ -156,14 +159,18 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     recording.calibration = read_kalibr_calibration(options.calibration, noise);
   }
   if (!fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
+  if (const CalibrationFault fault = find_fault(recording.calibration)) {
+    const std::string& file = options.calibration.empty() ? mav0 : options.calibration;
+    throw InputError(fault.what, file + ", " + fault.where, fault.what_to_do);
+  }
   read_frames(mav0, recording);
-  read_imu(mav0, recording);
+  recording.imu = read_imu_samples(mav0 + "/imu0/data.csv", recording.rejected);
   cut(options, recording);
   check_overlap(recording);
   for (const char* name : {"/state_groundtruth_estimate0/data.csv", "/groundtruth.tum"}) {
     if (recording.truth.poses.empty() && fs::exists(mav0 + name)) {
       recording.truth = read_trajectory(mav0 + name);
-      if (recording.truth.rows_truncated > 0) count(recording, "truth_rows_truncated");
+      if (recording.truth.rows_truncated > 0) count(recording.rejected, "truth_rows_truncated");
     }
   }
   return recording;

@@ -4,7 +4,8 @@
 // Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
 // Units   t in ns, each sensor's own stamps; rad/s, m/s^2.
-// Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames.
+// Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames, a
+//         calibration that makes no sense.
 //         Rejected and counted by name: rows cut off, not finite, not after the row before.
 // Cost    ~30 ms for a minute of EuRoC; images are opened by the player, not here.
 #pragma once
@@ -44,6 +45,14 @@ struct Recording {
 
   double duration_s() const;
 };
+
+// The tables that a recording is made of, each alone.
+struct ListedImage {
+  TimeNs t = 0;
+  std::string file;
+};
+std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected);
+std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected);
 
 Recording open_recording(const std::string& folder, const RecordingOptions& options);
 

@@ -142,12 +142,16 @@ TEST(recording, unequal_cameras_play_as_single_images) {
 TEST(recording, bad_calibrations_are_named) {
   const char* const cases[][3] = {
       {"resolution: [64, 48]", "resolution: [64]", "resolution"},
-      {"resolution: [64, 48]", "resolution: [640, 48]", "size is not the calibration's"},
+      {"resolution: [64, 48]", "resolution: [72, 48]", "size is not the calibration's"},
       {"radial-tangential", "fov", "unknown model 'fov'"},
       {"[-0.1, 0.01, 0.001, 0.002]", "[-0.1, 0.01]", "distortion_coefficients"},
       {"[50.0, 51.0,", "[.nan, 51.0,", "intrinsics"},
       {"data: [1, 0,", "data: [2, 0,", "not a rotation"},
-      {"T_BS:", "{T_BS:", "not YAML"}};
+      {"T_BS:", "{T_BS:", "not YAML"},
+      {"resolution: [64, 48]", "resolution: [640, 48]", "distortion turns back"},
+      {"rate_hz: 20", "timeshift_cam_imu: soon", "timeshift_cam_imu"},
+      {"rate_hz: 20", "timeshift_cam_imu: 5", "time offset"},
+      {"[50.0, 51.0, 31.5,", "[50.0, 51.0, 131.5,", "cam0: give cx"}};
   for (const auto& [from, to, says] : cases) {
     const TestRecording disk;
     disk.replace("cam0/sensor.yaml", from, to);

@@ -15,6 +15,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
+constexpr const char* kPart = ".part";
+constexpr const char* kProbe = "probe";
+
 Json statistics_json(const Statistics& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}};
 }
@@ -65,7 +68,8 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"points", log.points.size()},
                      {"pools_bytes", pools},
                      {"counters", counts_json(log.counters)},
-                     {"input_rejected", input}};
+                     {"input_rejected", input},
+                     {"faults", counts_json(info.faults)}};
   return root.dump(2) + "\n";
 }
 
@@ -116,29 +120,52 @@ std::string map_ply(const RunLog& log) {
 
 }  // namespace
 
-void make_output_folder(const std::string& folder) {
+OutputFolder::OutputFolder(const std::string& folder) : folder_(folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
     throw InputError("cannot make the folder", folder, "choose another --out");
   }
+  write(kProbe, "x");
+  fs::remove(folder + "/" + kProbe + kPart, error);
+  parts_.clear();
 }
 
-void write_file(const std::string& path, const std::string& content) {
-  std::ofstream file(path, std::ios::binary);
+OutputFolder::~OutputFolder() {
+  std::error_code error;
+  for (const std::string& name : parts_) fs::remove(folder_ + "/" + name + kPart, error);
+}
+
+void OutputFolder::write(const std::string& name, const std::string& content) {
+  parts_.push_back(name);
+  const std::string path = folder_ + "/" + name;
+  std::ofstream file(path + kPart, std::ios::binary);
   file << content;
   file.close();
-  if (!file) throw InputError("cannot write", path, "check space and permissions");
+  if (file) return;
+  std::error_code error;
+  fs::remove(path + kPart, error);
+  throw InputError("cannot write", path, "check space and permissions");
 }
 
-void write_run_files(const std::string& folder, const RunInfo& info, const Recording& recording,
+void OutputFolder::commit() {
+  for (const std::string& name : parts_) {
+    const std::string path = folder_ + "/" + name;
+    std::error_code error;
+    fs::rename(path + kPart, path, error);
+    if (error) throw InputError("cannot write", path, "check what is there now");
+  }
+  parts_.clear();
+}
+
+void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& recording,
                      const RunLog& log, const RunResult& result,
                      const std::vector<Count>& player_rejected) {
-  write_file(folder + "/trajectory.tum", trajectory_tum(result));
-  write_file(folder + "/keyframes.tum", keyframes_tum(log));
-  write_file(folder + "/map.ply", map_ply(log));
-  write_file(folder + "/timing.csv", timing_csv(log));
-  write_file(folder + "/summary.json", summary(info, recording, log, result, player_rejected));
+  out.write("trajectory.tum", trajectory_tum(result));
+  out.write("keyframes.tum", keyframes_tum(log));
+  out.write("map.ply", map_ply(log));
+  out.write("timing.csv", timing_csv(log));
+  out.write("summary.json", summary(info, recording, log, result, player_rejected));
 }
 
 std::string source_revision() {

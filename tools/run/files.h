@@ -1,12 +1,14 @@
 // What    Writes a run's files: trajectory.tum, keyframes.tum, map.ply, timing.csv, summary.json.
 // In      The folder (made if it is not there), Recording, RunLog, RunResult.
-// Out     the files, as DESIGN.md describes them.
+// Out     the files, as DESIGN.md describes them: each is written as NAME.part, and all get their
+//         names once the last one is complete.
 // Frames  T_WB; points in W.
-// Errors  InputError if a file cannot be written.
+// Errors  InputError if a file cannot be written; then none is left and older ones stay.
 // Source  DESIGN.md, "The front door".
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "tools/run/result.h"
 
@@ -17,11 +19,26 @@ struct RunInfo {
   std::string sequence;
   std::string revision;  // of the source tree that the program lies in
   int cores = 1;
+  std::vector<Count> faults;  // put in by hand, and how many items each has changed
 };
 
-void make_output_folder(const std::string& folder);
-void write_file(const std::string& path, const std::string& content);
-void write_run_files(const std::string& folder, const RunInfo& info, const Recording& recording,
+class OutputFolder {
+ public:
+  // Fails at once where nothing could be written at the end.
+  explicit OutputFolder(const std::string& folder);
+  ~OutputFolder();  // removes what was not committed
+  OutputFolder(const OutputFolder&) = delete;
+  OutputFolder& operator=(const OutputFolder&) = delete;
+
+  void write(const std::string& name, const std::string& content);
+  void commit();
+
+ private:
+  std::string folder_;
+  std::vector<std::string> parts_;  // names written, not yet given
+};
+
+void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& recording,
                      const RunLog& log, const RunResult& result,
                      const std::vector<Count>& player_rejected);
 

@@ -15,6 +15,8 @@ namespace {
 // Calls visit(group, struct, rows) for every group: the only place that knows them all.
 template <class Params, class Visit>
 void for_each_group(Params& p, Visit&& visit) {
+  visit("door", p.door, kDoorRows);
+  visit("imu", p.imu, kImuRows);
   visit("frontend", p.frontend, kFrontendRows);
   visit("stereo", p.tracking.stereo, kStereoRows);
   visit("tracker", p.tracking.tracker, kTrackerRows);

@@ -7,13 +7,13 @@
 
 #include "board/host/board.h"
 #include "bsp/api/clock.h"
-#include "bsp/replay/replay.h"
+#include "bsp/linux/storage.h"
 #include "core/trace/trace.h"
 #include "tools/cli/command.h"
 #include "tools/cli/progress.h"
 #include "tools/dataset/input_error.h"
-#include "tools/dataset/player.h"
 #include "tools/report/report.h"
+#include "tools/run/feed.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
 #include "tools/run/trace_file.h"
@@ -29,37 +29,20 @@ struct Options {
   int cores = 1;
   bool trace = false;
   std::vector<std::string> set;
-};
-
-// The recording as bsp/replay wants it, and the progress bar that its frames drive.
-struct Feed {
-  const Recording& recording;
-  Player player;
-  Progress progress;
-  size_t imu_at = 0;
-
-  explicit Feed(const Recording& r)
-      : recording(r), player(r), progress("running", r.frames.size()) {}
-
-  static bool next_imu(void* context, ImuSample& out) {
-    Feed& feed = *static_cast<Feed*>(context);
-    if (feed.imu_at == feed.recording.imu.size()) return false;
-    out = feed.recording.imu[feed.imu_at++];
-    return true;
-  }
-  static bool next_frame(void* context, StereoFrame& out) {
-    const StereoFrame* const frame = static_cast<Feed*>(context)->player.front();
-    if (frame) out = *frame;
-    return frame != nullptr;
-  }
-  static void release_frame(void* context) {
-    Feed& feed = *static_cast<Feed*>(context);
-    feed.player.pop();
-    feed.progress.update(feed.player.frames_played());
-  }
+  std::vector<std::string> faults;
+  std::string record;
 };
 
 App app;  // static memory, as on the device
+
+void prepare_record_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error || !std::filesystem::is_empty(folder, error)) {
+    throw InputError("not an empty folder", folder, "choose another --record");
+  }
+  bsp::set_storage_directory(folder.c_str());
+}
 
 void print_result(const Options& options, const RunResult& r) {
   std::printf("%zu frames, %.1f s: %zu tracked, %zu lost, %zu before the start, %zu dropped\n",
@@ -77,34 +60,43 @@ void print_result(const Options& options, const RunResult& r) {
 int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
+  std::vector<Fault> faults;
+  for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
   if (recording.calibration.cameras < 2) {
     throw InputError("only one camera", options.sequence,
                      "starting needs metric depth from a stereo pair: record cam0 and cam1");
   }
-  make_output_folder(options.out);
+  OutputFolder out(options.out);
+  if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
+  RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
   Status status = Status::kOk;
   {
-    Feed feed(recording);
-    bsp::replay_start({&feed, Feed::next_imu, Feed::next_frame, Feed::release_frame},
+    Progress progress("running", recording.frames.size());
+    Feed feed(recording, faults, [&progress](size_t played) { progress.update(played); });
+    bsp::replay_start(feed.source(),
                       options.real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
+    if (!options.record.empty() && app.record() != Status::kOk) {
+      throw InputError("cannot record", options.record, "check space and permissions");
+    }
     status = app.run(board::kPlans[options.cores - 1],
                      options.real_time ? Pace::kSensors : Pace::kAsWeGo);
-    rejected = feed.player.rejected();
+    rejected = feed.rejected();
+    info.faults = feed.faults_applied();
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   log.finish(app);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
-  const RunInfo info = {command, options.sequence, source_revision(), options.cores};
-  write_run_files(options.out, info, recording, log, result, rejected);
-  write_file(options.out + "/report.html", make_report(info, recording, log, result, rejected));
-  if (options.trace) write_trace(options.out + "/trace.json");
+  write_run_files(out, info, recording, log, result, rejected);
+  out.write("report.html", make_report(info, recording, log, result, rejected));
+  if (options.trace) out.write("trace.json", trace_json());
+  out.commit();
   print_result(options, result);
   if (!result.done) std::fprintf(stderr, "pirvs: tracking was lost at the end\n");
   return result.exit_status();
@@ -138,6 +130,10 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
       ->allow_extra_args(false);
+  app.add_option("--fault", o->faults, "SPEC, break the input; repeatable, see below")
+      ->allow_extra_args(false);
+  app.add_option("--record", o->record, "also write all input, faults and all, as an ASL folder");
+  app.footer(fault_help());
   return [o, &app] { return run(*o, joined(app)); };
 }
 

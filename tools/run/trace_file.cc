@@ -4,11 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "core/trace/trace.h"
-#include "tools/run/files.h"
 
 namespace pirvs::tools {
 
-void write_trace(const std::string& path) {
+std::string trace_json() {
   struct Lanes {
     std::map<std::string, int> lane;
     nlohmann::json events = nlohmann::json::array();
@@ -31,7 +30,7 @@ void write_trace(const std::string& path) {
                             {"tid", lane},
                             {"args", {{"name", name}}}});
   }
-  write_file(path, nlohmann::json{{"traceEvents", lanes.events}}.dump());
+  return nlohmann::json{{"traceEvents", lanes.events}}.dump();
 }
 
 }  // namespace pirvs::tools

@@ -1,7 +1,7 @@
 // What    The trace of a run as a file that ui.perfetto.dev and chrome://tracing open.
 // In      core/trace after the run: the last kTraceEventsMax scopes.
 // Out     Chrome's trace event JSON, one lane per task, times in microseconds of bsp::now.
-// Errors  InputError when the file cannot be written.
+// Errors  none.
 // Source  Chrome's "Trace Event Format", complete events.
 #pragma once
 
@@ -9,6 +9,6 @@
 
 namespace pirvs::tools {
 
-void write_trace(const std::string& path);
+std::string trace_json();
 
 }  // namespace pirvs::tools

@@ -1,0 +1,41 @@
+// Everything that the sensor door finds wrong with its input, by name; docs/faults.md says what is
+// done about each.
+#pragma once
+
+#include <cstdint>
+
+namespace pirvs {
+
+enum class DoorLoss : uint8_t {
+  kImuNotFinite,
+  kImuOutOfRange,
+  kImuSaturated,
+  kImuSpike,
+  kImuStuck,
+  kImuStampAhead,
+  kImuBackwards,
+  kImuLost,
+  kImuGap,
+  kImuClockBack,
+  kStreamBroken,
+  kFrameBackwards,
+  kFrameBeforeImu,
+  kFrameWithoutImu,
+  kFrameAhead,
+  kCameraMissing,
+  kCameraLate,
+  kCameraFrozen,
+  kCameraWrongSize,
+  kCameraSilent,
+  kCount
+};
+const char* name(DoorLoss loss);
+
+// One count for each.
+struct DoorLosses {
+  uint32_t count[static_cast<int>(DoorLoss::kCount)] = {};
+  void add(DoorLoss loss) { ++count[static_cast<int>(loss)]; }
+  uint32_t operator[](DoorLoss loss) const { return count[static_cast<int>(loss)]; }
+};
+
+}  // namespace pirvs

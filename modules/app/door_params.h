@@ -1,0 +1,43 @@
+// What the sensor door takes for possible. Units and meaning are in the rows.
+#pragma once
+
+#include <iterator>
+
+#include "core/params/params.h"
+
+namespace pirvs {
+
+struct DoorParams {
+  float gyro_range_rad_s = 34.9f;
+  float accel_range_m_s2 = 156.9f;
+  float spike_rad_s = 1.5f;
+  float spike_m_s2 = 25.0f;
+  float stuck_samples = 10;
+  float gap_s = 0.05f;
+  float break_s = 0.5f;
+  float pair_s = 0.001f;
+  float frame_wait_s = 0.15f;
+};
+
+inline constexpr ParamRow<DoorParams> kDoorRows[] = {
+    {"gyro_range_rad_s", &DoorParams::gyro_range_rad_s, 1, 70, "rad/s",
+     "full scale of the gyro: a reading there is saturated and bridged"},
+    {"accel_range_m_s2", &DoorParams::accel_range_m_s2, 10, 315, "m/s^2",
+     "full scale of the accelerometer, likewise"},
+    {"spike_rad_s", &DoorParams::spike_rad_s, 0.1f, 70, "rad/s",
+     "a single rate this far from both its neighbours is a spike and bridged"},
+    {"spike_m_s2", &DoorParams::spike_m_s2, 1, 315, "m/s^2", "a single force, likewise"},
+    {"stuck_samples", &DoorParams::stuck_samples, 3, 1000, "1",
+     "as many equal samples in a row: the IMU is stuck, the rest is bridged"},
+    {"gap_s", &DoorParams::gap_s, 0.001f, 10, "s", "a longer gap of the IMU is counted"},
+    {"break_s", &DoorParams::break_s, 0.05f, 10, "s",
+     "a longer one is not bridged: tracking starts anew; so it does when time runs back this long"},
+    {"pair_s", &DoorParams::pair_s, 0, 0.1f, "s",
+     "an image whose stamp is farther from its frame's is late and left out"},
+    {"frame_wait_s", &DoorParams::frame_wait_s, 0.01f, 10, "s",
+     "cameras silent for longer: IMU samples no longer wait for them"},
+};
+static_assert(sizeof(DoorParams) == std::size(kDoorRows) * sizeof(float));
+static_assert(in_range(DoorParams{}, kDoorRows));
+
+}  // namespace pirvs

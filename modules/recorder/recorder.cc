@@ -1,0 +1,215 @@
+#include "modules/recorder/recorder.h"
+
+#include <cstring>
+#include <iterator>
+
+#include "bsp/api/console.h"
+
+namespace pirvs {
+namespace {
+
+constexpr const char* kCameraTable[] = {"mav0/cam0/data.csv", "mav0/cam1/data.csv"};
+constexpr const char* kCameraYaml[] = {"mav0/cam0/sensor.yaml", "mav0/cam1/sensor.yaml"};
+constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
+static_assert(std::size(kCameraTable) == kCamerasMax);
+
+constexpr size_t kRow = 8 * Text::kNumber;  // the longest row of a table
+
+}  // namespace
+
+const char* name(RecordLoss loss) {
+  static constexpr const char* kNames[] = {"record_imu_dropped", "record_frame_dropped",
+                                           "record_not_written"};
+  static_assert(std::size(kNames) == static_cast<size_t>(RecordLoss::kCount));
+  return kNames[static_cast<size_t>(loss)];
+}
+
+uint32_t Recorder::losses(RecordLoss loss) const {
+  return losses_[static_cast<int>(loss)].load(std::memory_order_relaxed);
+}
+
+Status Recorder::open(Table& table, const char* name, const char* heading) {
+  const Result<bsp::File> file = bsp::storage_open(name);
+  if (!file.ok()) return file.status();
+  table.file = file.value();
+  table.open = true;
+  table.block.clear();
+  table.block.add(heading);
+  return Status::kOk;
+}
+
+Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
+                       TimeNs camera_time_offset) {
+  for (int c = 0; c < count; ++c) {
+    PIRVS_TRY(write_camera_yaml(c, cameras[c], camera_time_offset));
+    PIRVS_TRY(open(camera_[c], kCameraTable[c], "#timestamp [ns],filename\n"));
+  }
+  PIRVS_TRY(write_imu_yaml(noise));
+  PIRVS_TRY(open(imu_, "mav0/imu0/data.csv",
+                 "#timestamp [ns],w_x [rad/s],w_y [rad/s],w_z [rad/s],f_x [m/s^2],f_y [m/s^2],"
+                 "f_z [m/s^2]\n"));
+  started_ = true;
+  return Status::kOk;
+}
+
+Status Recorder::write_text(const char* name, const Text& text) {
+  const Result<bsp::File> file = bsp::storage_open(name);
+  if (!file.ok()) return file.status();
+  const Status written = bsp::storage_write(file.value(), text.data(), text.size());
+  const Status closed = bsp::storage_close(file.value());
+  return written != Status::kOk ? written : closed;
+}
+
+Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
+  Text text;
+  text.add("sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) text.add(camera.T_BC.R(i, j)).add(", ");
+    text.add(camera.T_BC.p[i]).add(", ");
+  }
+  text.add("0, 0, 0, 1]\nresolution: [").add(int64_t{camera.width}).add(", ");
+  text.add(int64_t{camera.height}).add("]\ncamera_model: pinhole\nintrinsics: [");
+  text.add(camera.fx).add(", ").add(camera.fy).add(", ").add(camera.cx).add(", ").add(camera.cy);
+  text.add("]\ndistortion_model: ");
+  text.add(camera.model == CameraModel::kKannalaBrandt ? "equidistant" : "radial-tangential");
+  text.add("\ndistortion_coefficients: [");
+  for (int i = 0; i < 4; ++i) text.add(camera.d[i]).add(i < 3 ? ", " : "]\n");
+  text.add("timeshift_cam_imu: ").add(to_seconds(offset)).add("\n");
+  return write_text(kCameraYaml[c], text);
+}
+
+Status Recorder::write_imu_yaml(const ImuNoise& noise) {
+  Text text;
+  text.add("sensor_type: imu\nrate_hz: ").add(noise.rate_hz);
+  text.add("\ngyroscope_noise_density: ").add(noise.gyro_noise);
+  text.add("\ngyroscope_random_walk: ").add(noise.gyro_walk);
+  text.add("\naccelerometer_noise_density: ").add(noise.accel_noise);
+  text.add("\naccelerometer_random_walk: ").add(noise.accel_walk).add("\n");
+  return write_text("mav0/imu0/sensor.yaml", text);
+}
+
+void Recorder::imu(const ImuSample& sample) {
+  if (!imu_ring_.push(sample)) lose(RecordLoss::kImuDropped);
+}
+
+void Recorder::frame(const StereoFrame& in) {
+  Frame* const out = frame_ring_.begin_push();
+  if (out == nullptr) {
+    lose(RecordLoss::kFrameDropped);
+    return;
+  }
+  out->present = 0;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    const ImageView& image = in.image[c];
+    const bool fits = (in.present >> c & 1) != 0 && image.data != nullptr &&
+                      image.width <= kImageWidthMax && image.height <= kImageHeightMax;
+    if (!fits) continue;
+    out->present = static_cast<uint8_t>(out->present | 1u << c);
+    out->t[c] = in.t - in.late[c];
+    out->width[c] = image.width;
+    out->height[c] = image.height;
+    const auto width = static_cast<size_t>(image.width);
+    for (int y = 0; y < image.height; ++y) {
+      std::memcpy(out->pixels[c] + static_cast<size_t>(y) * width, image.row(y), width);
+    }
+  }
+  frame_ring_.end_push();
+}
+
+bool Recorder::has_room() const {
+  return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFrameRing;
+}
+
+// The first error is the last thing that is tried.
+void Recorder::check(Status status) {
+  if (status == Status::kOk) return;
+  lose(RecordLoss::kNotWritten);
+  if (failed_) return;
+  failed_ = true;
+  bsp::console_write(status == Status::kFull
+                         ? "recording stopped: the disk is full; the run goes on\n"
+                         : "recording stopped: it cannot be written; the run goes on\n");
+}
+
+Status Recorder::write_row(Table& table) {
+  if (table.block.room() >= kRow) return Status::kOk;
+  const Status status = bsp::storage_write(table.file, table.block.data(), table.block.size());
+  table.block.clear();
+  return status;
+}
+
+Status Recorder::write_sample(const ImuSample& sample) {
+  if (failed_) return Status::kFull;
+  imu_.block.add(int64_t{sample.t});
+  for (int i = 0; i < 3; ++i) imu_.block.add(",").add(sample.w_B[i]);
+  for (int i = 0; i < 3; ++i) imu_.block.add(",").add(sample.f_B[i]);
+  imu_.block.add("\n");
+  return write_row(imu_);
+}
+
+Status Recorder::write_image(const Frame& frame, int c, const char* name) {
+  const Result<bsp::File> file = bsp::storage_open(name);
+  if (!file.ok()) return file.status();
+  Text head;
+  head.add("P5\n").add(int64_t{frame.width[c]}).add(" ").add(int64_t{frame.height[c]});
+  head.add("\n255\n");
+  const size_t size = static_cast<size_t>(frame.width[c]) * static_cast<size_t>(frame.height[c]);
+  Status status = bsp::storage_write(file.value(), head.data(), head.size());
+  if (status == Status::kOk) status = bsp::storage_write(file.value(), frame.pixels[c], size);
+  const Status closed = bsp::storage_close(file.value());
+  return status != Status::kOk ? status : closed;
+}
+
+Status Recorder::write_camera(const Frame& frame, int c) {
+  if (failed_) return Status::kFull;
+  const TimeNs t = frame.t[c];
+  Text file;
+  file.add(int64_t{t});
+  if (t <= last_t_[c]) file.add("_").add(int64_t{++repeated_names_});  // never over an older one
+  last_t_[c] = t > last_t_[c] ? t : last_t_[c];
+  file.add(".pgm");
+  Text path;
+  path.add(kCameraImages[c]).add(file.c_str());
+  PIRVS_TRY(write_image(frame, c, path.c_str()));
+  camera_[c].block.add(int64_t{t}).add(",").add(file.c_str()).add("\n");
+  return write_row(camera_[c]);
+}
+
+Step Recorder::step() {
+  bool worked = false;
+  for (ImuSample* sample = imu_ring_.front(); sample != nullptr; sample = imu_ring_.front()) {
+    check(write_sample(*sample));
+    imu_ring_.pop();
+    worked = true;
+  }
+  Frame* const frame = frame_ring_.front();
+  if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    if ((frame->present >> c & 1) != 0) check(write_camera(*frame, c));
+  }
+  frame_ring_.pop();
+  if (!failed_) ++frames_written_;
+  return Step::kAgain;
+}
+
+void Recorder::run(void (*relax)()) {
+  for (;;) {
+    const bool last = stopping_.load(std::memory_order_acquire);
+    if (step() == Step::kAgain) continue;
+    if (last) break;
+    relax();
+  }
+  finish();
+}
+
+void Recorder::finish() {
+  for (Table* table : {&imu_, &camera_[0], &camera_[1]}) {
+    if (!table->open) continue;
+    if (!failed_) check(bsp::storage_write(table->file, table->block.data(), table->block.size()));
+    const Status closed = bsp::storage_close(table->file);
+    if (!failed_) check(closed);
+    table->open = false;
+  }
+}
+
+}  // namespace pirvs

@@ -1,0 +1,93 @@
+// Writes everything that comes to the sensor door as an ASL folder, beside the estimator and never
+// in its way: raw, before any of it is judged, so that a run can be had again.
+// In      imu(), frame(): from the door's core, in the order of arrival. step(): from a core that
+//         has time, at best its own.
+// Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
+//         An image is listed once it is complete. Numbers read back to the bit.
+// Frames  as the sensors have them. Units: ns, rad/s, m/s^2, grey values.
+// Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
+//         console; what comes after is dropped and counted; nobody else is told or delayed.
+// Cost    frame(): one copy of the pixels, ~60 us a stereo pair (x86-64). step(): one file.
+// Source  ASL data set format (Burri et al., IJRR 2016); netpbm, "PGM".
+#pragma once
+
+#include <atomic>
+
+#include "bsp/api/camera.h"
+#include "bsp/api/imu.h"
+#include "bsp/api/storage.h"
+#include "core/base/limits.h"
+#include "core/camera/camera.h"
+#include "core/sched/scheduler.h"
+#include "core/store/ring.h"
+#include "modules/imu/imu_noise.h"
+#include "modules/recorder/text.h"
+
+namespace pirvs {
+
+enum class RecordLoss : uint8_t { kImuDropped, kFrameDropped, kNotWritten, kCount };
+const char* name(RecordLoss loss);
+
+class Recorder {
+ public:
+  // Opens the files and writes the calibration.
+  Status start(const Camera* cameras, int count, const ImuNoise& noise, TimeNs camera_time_offset);
+  bool started() const { return started_; }
+
+  void imu(const ImuSample& sample);
+  void frame(const StereoFrame& frame);
+  // Room for what the door may ask of the sensors in one step; a replay can wait for it.
+  bool has_room() const;
+
+  Step step();
+  void finish();  // after the last step: writes out what waits and closes
+  // No more will come: run() on the writer's core returns once the rings are empty.
+  void stop() { stopping_.store(true, std::memory_order_release); }
+  void run(void (*relax)());
+
+  uint32_t losses(RecordLoss loss) const;
+  uint32_t frames_written() const { return frames_written_; }
+
+ private:
+  struct Frame {
+    TimeNs t[kCamerasMax];
+    uint8_t present;
+    int width[kCamerasMax], height[kCamerasMax];
+    uint8_t pixels[kCamerasMax][kImageWidthMax * kImageHeightMax];
+  };
+  // A table of text that grows block by block.
+  struct Table {
+    bsp::File file;
+    bool open = false;
+    Text block;
+  };
+
+  static constexpr size_t kImuRing = 1024;  // 5 s at 200 Hz
+  static constexpr size_t kImuRoom = 256;   // a step of the door takes fewer
+  static constexpr size_t kFrameRing = 6;   // 0.3 s at 20 Hz: a disk's usual stall
+
+  Status open(Table& table, const char* name, const char* heading);
+  Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
+  Status write_imu_yaml(const ImuNoise& noise);
+  Status write_text(const char* name, const Text& text);
+  Status write_image(const Frame& frame, int c, const char* name);
+  Status write_row(Table& table);
+  Status write_sample(const ImuSample& sample);
+  Status write_camera(const Frame& frame, int c);
+  void check(Status status);
+  void lose(RecordLoss loss) {
+    losses_[static_cast<int>(loss)].fetch_add(1, std::memory_order_relaxed);
+  }
+
+  Ring<ImuSample, kImuRing> imu_ring_;
+  Ring<Frame, kFrameRing> frame_ring_;
+  Table imu_, camera_[kCamerasMax];
+  TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
+  bool started_ = false;
+  bool failed_ = false;
+  std::atomic<bool> stopping_{false};
+  uint32_t frames_written_ = 0, repeated_names_ = 0;
+  std::atomic<uint32_t> losses_[static_cast<int>(RecordLoss::kCount)] = {};
+};
+
+}  // namespace pirvs

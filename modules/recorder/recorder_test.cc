@@ -1,0 +1,116 @@
+#include "modules/recorder/recorder.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "bsp/api/cores.h"
+#include "bsp/linux/storage.h"
+
+namespace pirvs {
+namespace {
+
+namespace fs = std::filesystem;
+
+class recorder : public testing::Test {
+ protected:
+  recorder() {
+    folder_ = fs::temp_directory_path() / ("pirvs_recorder_" + std::to_string(getpid()));
+    fs::create_directories(folder_);
+    path_ = folder_.string();
+    bsp::set_storage_directory(path_.c_str());
+    for (Camera& camera : cameras_) {
+      camera.width = 4;
+      camera.height = 2;
+      camera.fx = camera.fy = 1.0 / 3;
+    }
+  }
+  ~recorder() override {
+    bsp::set_storage_directory(".");
+    fs::remove_all(folder_);
+  }
+  StereoFrame frame(TimeNs t, uint8_t present = 3) {
+    StereoFrame out;
+    out.t = t;
+    out.present = present;
+    for (ImageView& image : out.image) image = {pixels_.data(), 4, 2, 5};  // wider than it shows
+    return out;
+  }
+  std::string content(const std::string& file) const {
+    std::ostringstream text;
+    text << std::ifstream(path_ + "/mav0/" + file, std::ios::binary).rdbuf();
+    return text.str();
+  }
+  void write_all() {
+    recorder_->stop();
+    recorder_->run(bsp::relax);
+  }
+
+  fs::path folder_;
+  std::string path_;
+  Camera cameras_[2];
+  std::vector<uint8_t> pixels_ = {'a', 'b', 'c', 'd', '-', 'e', 'f', 'g', 'h', '-'};
+  std::unique_ptr<Recorder> recorder_ = std::make_unique<Recorder>();
+};
+
+TEST_F(recorder, writes_what_it_is_given) {
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 4'000'000), Status::kOk);
+  recorder_->imu({5, Vec3(0.1, -1, 0), Vec3(0, 0, 9.81)});
+  recorder_->frame(frame(7));
+  recorder_->frame(frame(9, 1));
+  StereoFrame late = frame(11, 3);
+  late.late[1] = 4;
+  recorder_->frame(late);
+  write_all();
+  EXPECT_EQ(content("cam0/data/7.pgm"), "P5\n4 2\n255\nabcdefgh");
+  EXPECT_EQ(content("cam0/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n9,9.pgm\n11,11.pgm\n");
+  EXPECT_EQ(content("cam1/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n7,7_1.pgm\n");
+  EXPECT_NE(content("imu0/data.csv").find("\n5,0.1,-1,0,0,0,9.81\n"), std::string::npos);
+  EXPECT_NE(content("imu0/sensor.yaml").find("\nrate_hz: 200\n"), std::string::npos);
+  EXPECT_NE(content("cam1/sensor.yaml").find("\nresolution: [4, 2]\n"), std::string::npos);
+  EXPECT_NE(content("cam1/sensor.yaml").find("\ntimeshift_cam_imu: 0.004\n"), std::string::npos);
+  EXPECT_EQ(recorder_->frames_written(), 3u);
+}
+
+TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  EXPECT_TRUE(recorder_->has_room());
+  for (TimeNs t = 1; t <= 10; ++t) recorder_->frame(frame(t));
+  EXPECT_FALSE(recorder_->has_room());
+  for (TimeNs t = 1; t <= 1500; ++t) recorder_->imu({t, Vec3::Zero(), Vec3::Zero()});
+  write_all();
+  EXPECT_EQ(recorder_->losses(RecordLoss::kFrameDropped), 10u - recorder_->frames_written());
+  EXPECT_EQ(recorder_->frames_written(), 6u);
+  EXPECT_EQ(recorder_->losses(RecordLoss::kImuDropped), 1500u - 1024u);
+  EXPECT_TRUE(recorder_->has_room());
+  EXPECT_EQ(recorder_->losses(RecordLoss::kNotWritten), 0u);
+}
+
+TEST_F(recorder, says_at_the_start_that_it_cannot_write) {
+  std::ofstream(path_ + "/mav0") << "a file where the folder should be";
+  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kNotFound);
+  EXPECT_FALSE(recorder_->started());
+  recorder_->finish();
+}
+
+TEST_F(recorder, what_cannot_be_written_later_is_counted) {
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  fs::create_directories(path_ + "/mav0/cam0");
+  std::ofstream(path_ + "/mav0/cam0/data") << "in the way";
+  recorder_->frame(frame(1));
+  recorder_->frame(frame(2));
+  testing::internal::CaptureStderr();
+  write_all();
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("the run goes on"), std::string::npos);
+  EXPECT_EQ(recorder_->losses(RecordLoss::kNotWritten), 4u);
+  EXPECT_EQ(content("cam0/data.csv"), "") << "no image is listed that is not there";
+}
+
+}  // namespace
+}  // namespace pirvs
