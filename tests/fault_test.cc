@@ -221,7 +221,7 @@ TEST(fault, one_camera_alone_never_starts_and_ends) {
   for (FrameFiles& frame : mono.frames) frame.image[1].clear();
   const Replay run = replay(mono);
   EXPECT_EQ(run.result.exit_status(), run.result.trajectory.poses.empty() ? 1 : 0);
-  EXPECT_EQ(run.counter("camera_missing"), mono.frames.size());
+  EXPECT_EQ(run.counter("camera_missing"), 0u) << "there is only one";
 }
 
 TEST(fault, sensors_that_end_early) {

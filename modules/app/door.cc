@@ -38,7 +38,7 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
   break_ = from_seconds(static_cast<double>(params.break_s));
   frame_wait_ = from_seconds(static_cast<double>(params.frame_wait_s));
   imu_guard_.configure(params);
-  image_guard_.configure(calibration.camera, params);
+  image_guard_.configure(calibration.camera, calibration.cameras, params);
 }
 
 bool Door::fetch_imu() {

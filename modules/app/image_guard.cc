@@ -26,9 +26,10 @@ uint64_t checksum(const ImageView& image) {
 
 }  // namespace
 
-void ImageGuard::configure(const Camera* cameras, const DoorParams& params) {
+void ImageGuard::configure(const Camera* cameras, int count, const DoorParams& params) {
   *this = ImageGuard{};
-  for (int c = 0; c < kCamerasMax; ++c) {
+  count_ = count;
+  for (int c = 0; c < count; ++c) {
     width_[c] = cameras[c].width;
     height_[c] = cameras[c].height;
   }
@@ -37,7 +38,7 @@ void ImageGuard::configure(const Camera* cameras, const DoorParams& params) {
 
 void ImageGuard::check(StereoFrame& frame, DoorLosses& losses) {
   bool missing = false;
-  for (int c = 0; c < kCamerasMax; ++c) {
+  for (int c = 0; c < count_; ++c) {
     if ((frame.present >> c & 1) == 0) {
       missing = true;
     } else if (!is_good(frame, c, losses)) {

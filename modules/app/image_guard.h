@@ -17,12 +17,13 @@ namespace pirvs {
 
 class ImageGuard {
  public:
-  void configure(const Camera* cameras, const DoorParams& params);
+  void configure(const Camera* cameras, int count, const DoorParams& params);
   void check(StereoFrame& frame, DoorLosses& losses);
 
  private:
   bool is_good(const StereoFrame& frame, int c, DoorLosses& losses);
 
+  int count_ = 0;  // cameras that there are: others cannot be missing
   int width_[kCamerasMax] = {}, height_[kCamerasMax] = {};
   TimeNs pair_ = 0;
   uint64_t sum_[kCamerasMax] = {};  // of the last image; 0: none, or a flat one
