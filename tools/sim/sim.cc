@@ -33,7 +33,7 @@ struct Job {
 
 class Text {
  public:
-  explicit Text(const std::string& path) : file_(std::fopen(path.c_str(), "wb")) {
+  explicit Text(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
     if (!file_) throw InputError("cannot write", path, "check the folder given with --out");
   }
   ~Text() { std::fclose(file_); }
@@ -44,8 +44,14 @@ class Text {
   void print(const char* format, Args... args) {
     std::fprintf(file_, format, args...);
   }
+  void finish() {
+    if (std::fflush(file_) != 0 || std::ferror(file_) != 0) {
+      throw InputError("cannot write", path_, "check space and permissions");
+    }
+  }
 
  private:
+  std::string path_;
   std::FILE* file_;
 };
 
@@ -107,6 +113,8 @@ void write_camera(const Job& job, int c) {
   for (size_t i = 0; i < job.frame_s.size(); ++i) {
     list.print("%lld,%s\n", LongLong(stamp(job.frame_s[i])), image_name(job, i).c_str());
   }
+  sensor.finish();
+  list.finish();
 }
 
 void write_imu(const Job& job) {
@@ -147,6 +155,7 @@ void write_imu(const Job& job) {
     triple(truth, imu.b_a);
     truth.print("\n");
   }
+  for (Text* file : {&sensor, &samples, &truth}) file->finish();
 }
 
 Exposure exposure_of(const Job& job, size_t frame, int camera) {

@@ -1,9 +1,11 @@
 // `pirvs sim --out SEQ`: makes a recording with exact ground truth.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 
 #include "tools/cli/command.h"
 #include "tools/cli/progress.h"
+#include "tools/dataset/input_error.h"
 #include "tools/sim/sim.h"
 
 namespace pirvs::tools {
@@ -71,6 +73,28 @@ void declare_image(CLI::App& app, SimOptions& o) {
       ->capture_default_str();
 }
 
+// A recording is there as a whole or not at all: it is drawn into a folder beside its place.
+void simulate_whole(const SimOptions& options, const SimProgress& progress) {
+  std::error_code error;
+  if (std::filesystem::exists(options.out) && !std::filesystem::is_empty(options.out, error)) {
+    throw InputError("not an empty folder", options.out, "choose another --out");
+  }
+  SimOptions part = options;
+  while (part.out.size() > 1 && part.out.back() == '/') part.out.pop_back();
+  part.out += ".part";
+  std::filesystem::remove_all(part.out, error);
+  try {
+    simulate(part, progress);
+    std::filesystem::rename(part.out, options.out);
+  } catch (const std::filesystem::filesystem_error&) {
+    std::filesystem::remove_all(part.out, error);
+    throw InputError("cannot write", options.out, "check what is there now");
+  } catch (...) {
+    std::filesystem::remove_all(part.out, error);
+    throw;
+  }
+}
+
 std::function<int()> declare(CLI::App& app) {
   const auto options = std::make_shared<SimOptions>();
   declare_world(app, *options);
@@ -79,7 +103,7 @@ std::function<int()> declare(CLI::App& app) {
   return [options] {
     {
       std::unique_ptr<Progress> bar;
-      simulate(*options, [&bar](size_t done, size_t total) {
+      simulate_whole(*options, [&bar](size_t done, size_t total) {
         if (!bar) bar = std::make_unique<Progress>("simulating", total);
         bar->update(done);
       });
