@@ -1,7 +1,7 @@
 // Set-up of the RK3399 around its controllers, as data: which function a pin has, which clocks run.
 // In      Rows: a register of GRF, PMUGRF, CRU or PMUCRU, the bits that matter, their value, why.
 // Out     apply: writes them in order. holds: reads them back, so that a reset or another master's
-//         change is seen.
+//         change is seen. gpll_hz, pmu_pclk_hz: what the boot loader has made of two clocks.
 // Frames  none.
 // Errors  kBadData: a row does not hold; `which` says the first.
 // Cost    One access a row.
@@ -31,21 +31,35 @@ inline constexpr uintptr_t kGrf = 0xff77'0000, kPmuGrf = 0xff32'0000;
 inline constexpr uintptr_t kCru = 0xff76'0000, kPmuCru = 0xff75'0000;
 
 // Two bits a pin: 0 is GPIO.
-constexpr Register iomux(const char* name, uint32_t offset) {
+constexpr Register hiword_register(const char* name, uint32_t offset) {
   return {name, offset, Access::kHiwordMask, 0};
 }
-inline constexpr Register kGPIO4A_IOMUX = iomux("GRF_GPIO4A_IOMUX", 0xe020);
-inline constexpr Register kGPIO4C_IOMUX = iomux("GRF_GPIO4C_IOMUX", 0xe028);
-inline constexpr Register kGPIO4D_IOMUX = iomux("GRF_GPIO4D_IOMUX", 0xe02c);
-inline constexpr Register kGPIO1C_IOMUX = iomux("PMUGRF_GPIO1C_IOMUX", 0x0018);
+inline constexpr Register kGPIO2A_IOMUX = hiword_register("GRF_GPIO2A_IOMUX", 0xe000);
+inline constexpr Register kGPIO2B_IOMUX = hiword_register("GRF_GPIO2B_IOMUX", 0xe004);
+inline constexpr Register kGPIO4C_IOMUX = hiword_register("GRF_GPIO4C_IOMUX", 0xe028);
+inline constexpr Register kGPIO4D_IOMUX = hiword_register("GRF_GPIO4D_IOMUX", 0xe02c);
 
 // A gate: 1 stops the clock.
-inline constexpr Register kCLKSEL_CON61 = {"CRU_CLKSEL_CON61", 0x1f4, Access::kHiwordMask, 0};
-inline constexpr Register kCLKGATE_CON10 = {"CRU_CLKGATE_CON10", 0x328, Access::kHiwordMask, 0};
-inline constexpr Register kCLKGATE_CON22 = {"CRU_CLKGATE_CON22", 0x358, Access::kHiwordMask, 0};
-inline constexpr Register kCLKGATE_CON31 = {"CRU_CLKGATE_CON31", 0x37c, Access::kHiwordMask, 0};
-inline constexpr Register kPMUCRU_CLKGATE_CON1 = {"PMUCRU_CLKGATE_CON1", 0x104, Access::kHiwordMask,
-                                                  0};
+inline constexpr Register kGPLL_CON0 = {"CRU_GPLL_CON0", 0x080, Access::kReadWrite, 0};
+inline constexpr Register kGPLL_CON1 = {"CRU_GPLL_CON1", 0x084, Access::kReadWrite, 0};
+inline constexpr Register kCLKSEL_CON63 = hiword_register("CRU_CLKSEL_CON63", 0x1fc);
+inline constexpr Register kCLKGATE_CON10 = hiword_register("CRU_CLKGATE_CON10", 0x328);
+inline constexpr Register kCLKGATE_CON22 = hiword_register("CRU_CLKGATE_CON22", 0x358);
+inline constexpr Register kCLKGATE_CON31 = hiword_register("CRU_CLKGATE_CON31", 0x37c);
+
+inline constexpr Register kPPLL_CON0 = {"PMUCRU_PPLL_CON0", 0x000, Access::kReadWrite, 0};
+inline constexpr Register kPPLL_CON1 = {"PMUCRU_PPLL_CON1", 0x004, Access::kReadWrite, 0};
+inline constexpr Register kPMU_CLKSEL_CON0 = hiword_register("PMUCRU_CLKSEL_CON0", 0x080);
+inline constexpr Register kPMU_CLKGATE_CON1 = hiword_register("PMUCRU_CLKGATE_CON1", 0x104);
+
+inline constexpr uint64_t kCrystal_hz = 24'000'000;
+
+// FBDIV; POSTDIV2, POSTDIV1, REFDIV. 0 if a divider is 0.
+constexpr uint32_t pll_hz(uint32_t con0, uint32_t con1) {
+  const uint32_t divider = (con1 & 0x3f) * (con1 >> 8 & 7) * (con1 >> 12 & 7);
+  return divider == 0 ? 0 : static_cast<uint32_t>(kCrystal_hz * (con0 & 0xfff) / divider);
+}
+static_assert(pll_hz(99, 2 << 12 | 2 << 8 | 1) == 594'000'000);
 
 }  // namespace rk3399_setup
 
@@ -63,6 +77,20 @@ Status holds(const SetupRow (&rows)[N], size_t& which) {
     if ((Registers(row.base).read(row.row) & row.mask) != row.value) return Status::kBadData;
   }
   return Status::kOk;
+}
+
+inline uint32_t gpll_hz() {
+  const Registers cru(rk3399_setup::kCru);
+  return rk3399_setup::pll_hz(cru.read(rk3399_setup::kGPLL_CON0),
+                              cru.read(rk3399_setup::kGPLL_CON1));
+}
+
+// PPLL by PMU_PCLK_DIV_CON + 1: it drives the PWM.
+inline uint32_t pmu_pclk_hz() {
+  const Registers pmucru(rk3399_setup::kPmuCru);
+  const uint32_t ppll_hz = rk3399_setup::pll_hz(pmucru.read(rk3399_setup::kPPLL_CON0),
+                                                pmucru.read(rk3399_setup::kPPLL_CON1));
+  return ppll_hz / ((pmucru.read(rk3399_setup::kPMU_CLKSEL_CON0) & 0x1f) + 1);
 }
 
 // A value outside its mask would never hold.
