@@ -11,6 +11,14 @@
 namespace pirvs {
 namespace {
 
+// What the health log says of a frame; nullptr: nothing.
+const char* event_of(const FrameResult& result) {
+  if (result.started) return result.started_at_rest ? "started at rest" : "started in motion";
+  if (result.joined) return "recognised the old map";
+  if (result.recognised) return "recognised the place";
+  return result.health_changed ? "health changed" : nullptr;
+}
+
 float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
 
 }  // namespace
@@ -28,7 +36,8 @@ void App::configure(const Calibration& calibration, const AppParams& params,
     frontend_[c].configure(calibration.camera[c], params.frontend);
   }
   const ImuNoise noise = scaled(calibration.imu, params.imu);
-  tracker_.configure(calibration.camera, noise, params.tracking, &keyframe_ring_, &map_mailbox_);
+  tracker_.configure(calibration.camera, calibration.cameras, noise, params.tracking,
+                     &keyframe_ring_, &map_mailbox_);
   mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
 }
@@ -66,7 +75,7 @@ void App::deliver(const ImuSample& sample) {
   tracker_.add_imu(sample);
   tracking_ns_ += bsp::cpu_time() - begin;
   if (tracker_.running() && sinks_.pose != nullptr) {
-    sinks_.pose(sinks_.context, {tracker_.state(), tracker_.cov(), tracker_.health()});
+    sinks_.pose(sinks_.context, {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()});
   }
 }
 
@@ -133,13 +142,13 @@ Step App::tracking_step() {
   const TimeNs begin = bsp::cpu_time();
   tracker_.match(frontend_);
   const TimeNs matched = bsp::cpu_time();
-  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present == 3, frontend_);
+  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present, frontend_);
   tracking_ns_ += bsp::cpu_time() - matched;
 
   report_ = FrameReport{};
   report_.t = frame_.t;
   report_.has_pose = result.has_pose;
-  report_.pose = {tracker_.state(), tracker_.cov(), tracker_.health()};
+  report_.pose = {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()};
   report_.image_ms = to_ms(frontend_ns_[0] + frontend_ns_[1]);
   report_.matching_ms = to_ms(matched - begin);
   report_.tracking_ms = to_ms(tracking_ns_);
@@ -151,10 +160,8 @@ Step App::tracking_step() {
   report_.keyframe = result.keyframe;
   report_pending_ = true;
   tracking_ns_ = 0;
-  if (result.health_changed && sinks_.health != nullptr) {
-    const char* what = !result.started          ? "health changed"
-                       : result.started_at_rest ? "started at rest"
-                                                : "started in motion";
+  const char* what = event_of(result);
+  if (what != nullptr && sinks_.health != nullptr) {
     sinks_.health(sinks_.context, frame_.t, tracker_.health(), what);
   }
   door_.release();
@@ -280,6 +287,10 @@ int App::counters(NamedValue* out, int max) const {
   add("matched_by_projection", t.matched_by_projection);
   add("standstill_frames", t.standstill_frames);
   add("tracks_dropped", t.tracks_dropped);
+  add("recognitions", t.recognitions);
+  add("recognitions_failed", t.recognitions_failed);
+  add("joins", t.joins);
+  add("jumps", t.jumps);
   const MappingCounters& m = mapper_.counters();
   add("keyframes_removed", m.keyframes_removed);
   add("adjustments", m.adjustments);

@@ -26,6 +26,7 @@ struct PoseOutput {
   BodyState state;
   Mat15 cov;
   HealthState health;
+  Trust trust;
 };
 
 struct FrameReport {

@@ -1,9 +1,11 @@
 // Says how far the output can be trusted, and whether the device stands still.
-// In      per frame: accepted correspondences, position sigma; IMU samples and image motion.
-// Out     HealthState; standstill yes or no with the mean rate measured over it.
+// In      per frame: accepted correspondences and their spread, position sigma; jumps of the pose;
+//         IMU samples and image motion.
+// Out     HealthState, confidence 0 to 1 and the resets; standstill yes or no with the mean rate
+//         measured over it.
 // Units   s, m, rad/s, m/s^2, px.
 // Errors  none. Cost: negligible.
-// Source  PIRVS paper, section IV.B (tracking with few correspondences); standstill: own.
+// Source  docs/health.md; PIRVS paper, section IV.B (tracking with few correspondences).
 #pragma once
 
 #include "core/store/fixed_vector.h"
@@ -15,19 +17,49 @@ namespace pirvs {
 enum class HealthState : uint8_t { kInitializing, kTracking, kDegraded, kLost, kCount };
 const char* name(HealthState state);
 
+// What a consumer can act on within one frame.
+struct Trust {
+  float confidence = 0;             // 0: do not use, 1: as good as it gets
+  uint32_t resets = 0;              // changes whenever the pose may have jumped
+  float jump_m = 0, jump_rad = 0;   // size of the last jump
+};
+
+struct FrameEvidence {
+  TimeNs t = 0;
+  int accepted = 0;             // correspondences
+  int cells = 0;                // of kCells in the image that hold one or more of them
+  double position_sigma_m = 0;
+  bool at_rest = false;
+};
+
 class Health {
  public:
+  static constexpr int kCells = 12;  // 4 x 3
   void configure(const HealthParams& params) { params_ = params; }
   void started(TimeNs t);
   // Returns true when the state changed.
-  bool update(TimeNs t, int accepted, double position_sigma_m);
-  void lost() { state_ = HealthState::kLost; }
+  bool update(const FrameEvidence& evidence);
+  // The pose went from one place to another without having moved so; small steps are no jumps.
+  // `certain`: count it whatever its size.
+  bool note_jump(double jump_m, double jump_rad, bool certain);
+  void lost() {
+    state_ = HealthState::kLost;
+    trust_.confidence = 0;
+  }
   HealthState state() const { return state_; }
+  const Trust& trust() const { return trust_; }
+  // Since the last frame with enough correspondences.
+  double blind_s() const { return blind_s_; }
 
  private:
+  float judge(const FrameEvidence& evidence) const;
+
   HealthParams params_;
   HealthState state_ = HealthState::kInitializing;
-  TimeNs last_good_ = 0;
+  Trust trust_;
+  TimeNs last_good_ = 0, good_since_ = 0;
+  bool good_ = false;
+  double blind_s_ = 0;
 };
 
 // At rest: the IMU's spread over a window is that of its noise, and the image does not move.

@@ -31,6 +31,7 @@ struct Landmark {
   uint16_t views = 0;                   // observations in the map's keyframes, both cameras
   uint32_t last_keyframe = 0;           // sequence number of the newest keyframe that saw it
   TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
+  uint16_t epoch = 0;                   // of the keyframe that made it
 };
 
 // The state of the body at one instant.
@@ -57,6 +58,8 @@ struct Keyframe {
   Observations observations[kCamerasMax];
   Preintegration from_previous;  // motion since keyframe `sequence - 1`
   bool linked = false;           // from_previous holds
+  bool at_rest = false;
+  uint16_t epoch = 0;  // one for each start: only within one are places exact to each other
 };
 
 struct Map {
@@ -74,11 +77,14 @@ struct MapPoint {
   float distance_m;
   TrackId track[kCamerasMax];
   bool in_newest;  // the newest keyframe saw it: `track` is complete
+  uint16_t epoch;
 };
 
 // Mapping's word to tracking after each adjustment, by mailbox.
 struct MapSnapshot {
   uint32_t keyframe = 0;      // sequence of the newest adjusted keyframe
+  uint16_t epoch = 0;         // of that keyframe
+  bool adjusted = false;      // the adjustment succeeded: state and cov hold
   BodyState state;            // of that keyframe, refined
   Mat15 cov = Mat15::Zero();  // of that state: theta, p, v, b_g, b_a
   FixedVector<MapPoint, kLandmarksMax> points;
@@ -92,7 +98,14 @@ struct KeyframeMessage {
   Preintegration from_previous;
   bool linked = false;
   bool adjust = true;    // false: more keyframes follow at once (start-up)
-  bool restart = false;  // forget the old map first
+  uint16_t epoch = 0;
+  bool restart = false;  // a start: nothing links it to the keyframe before
+  bool renew = false;    // in place of the keyframe before
+  // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from now.
+  bool join = false;
+  uint16_t joining = 0;
+  SE3 T_join;  // a turn about the vertical and a shift
+  bool at_rest = false;  // the body stands still: its velocity is known to be zero
 };
 
 }  // namespace pirvs

@@ -54,12 +54,33 @@ void Mapper::step() {
 
 // ---- keyframes and points ---------------------------------------------------------------------
 
-void Mapper::forget_all() {
-  while (!order_.empty()) remove_keyframe(0);
-  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
-    if (map_.landmarks.at(slot) != nullptr)
-      (void)map_.landmarks.release(map_.landmarks.handle(slot));
+// The place was recognised: all that the run made moves to where it belongs.
+void Mapper::join(const KeyframeMessage& message) {
+  const SE3& T = message.T_join;
+  for (size_t i = 0; i < order_.size(); ++i) {
+    Keyframe& moved = keyframe(i);
+    if (moved.epoch != message.joining) continue;
+    moved.state.T_WB = T * moved.state.T_WB;
+    moved.state.v_WB = T.R * moved.state.v_WB;
+    moved.epoch = message.epoch;
   }
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    Landmark* moved = map_.landmarks.at(slot);
+    if (moved == nullptr || moved->epoch != message.joining) continue;
+    moved->p_W = T * moved->p_W;
+    moved->cov = (T.R * moved->cov * T.R.transpose()).eval();
+    moved->view_W = T.R * moved->view_W;
+    moved->epoch = message.epoch;
+  }
+  if (prior_.sequence != 0) move(T, prior_);
+  ++counters_.joins;
+}
+
+// Place in order_ of the last start's first keyframe: an adjustment does not reach beyond it.
+size_t Mapper::run_begin() const {
+  size_t i = order_.size();
+  while (i > 0 && map_.keyframes.find(order_[i - 1])->sequence >= run_sequence_) --i;
+  return i;
 }
 
 void Mapper::remove_keyframe(size_t order) {
@@ -87,10 +108,15 @@ void Mapper::detach(Observation& sighting) {
 
 void Mapper::insert(const KeyframeMessage& message) {
   if (message.restart) {
-    if (!order_.empty()) ++counters_.restarts;
-    forget_all();
+    if (message.renew) {
+      remove_keyframe(order_.size() - 1);
+    } else if (!order_.empty()) {
+      ++counters_.restarts;
+    }
     prior_ = WindowPrior{};
+    run_sequence_ = message.sequence;
   }
+  if (message.join) join(message);
   if (order_.full()) remove_keyframe(0);
   const Result<KeyframeId> id = map_.keyframes.acquire();
   PIRVS_ASSERT(id.ok());  // order_ holds every live keyframe, and one has just left if it was full
@@ -98,7 +124,9 @@ void Mapper::insert(const KeyframeMessage& message) {
   fresh.sequence = message.sequence;
   fresh.state = message.state;
   fresh.from_previous = message.from_previous;
-  fresh.linked = message.linked && !order_.empty() &&
+  fresh.at_rest = message.at_rest;
+  fresh.epoch = message.epoch;
+  fresh.linked = message.linked && !message.restart && !order_.empty() &&
                  keyframe(order_.size() - 1).sequence + 1 == message.sequence;
   const bool added = order_.push_back(id.value());
   PIRVS_ASSERT(added);
@@ -109,7 +137,7 @@ void Mapper::insert(const KeyframeMessage& message) {
           sighting.landmark.valid() ? sighting.landmark : landmark_of_track(c, sighting.track);
       sighting.landmark = LandmarkId{};
       Landmark* landmark = map_.landmarks.find(landmark_id);
-      if (landmark == nullptr) continue;
+      if (landmark == nullptr || landmark->epoch != fresh.epoch) continue;
       // Two tracks of one camera on one point: the second is a wrong match.
       if (landmark->last_keyframe == fresh.sequence && landmark->track[c] != 0) continue;
       if (landmark->last_keyframe != fresh.sequence) {
@@ -127,7 +155,9 @@ void Mapper::insert(const KeyframeMessage& message) {
 // The point that a track had in the keyframe before the newest: tracking may not have heard of it
 // yet.
 LandmarkId Mapper::landmark_of_track(int camera, TrackId track) {
-  if (order_.size() < 2) return LandmarkId{};
+  if (order_.size() < 2 || keyframe(order_.size() - 2).sequence < run_sequence_) {
+    return LandmarkId{};
+  }
   for (const Observation& sighting : keyframe(order_.size() - 2).observations[camera]) {
     if (sighting.track == track) return sighting.landmark;
   }
@@ -163,6 +193,7 @@ int Mapper::gather_views(const Keyframe& keyframe, int camera, size_t index, Vie
   const size_t last = order_.size() - 1;
   for (size_t back = 1; back <= last && back <= 6 && count < kViewsMax; ++back) {
     Keyframe& earlier = this->keyframe(last - back);
+    if (earlier.sequence < run_sequence_) break;  // what it saw since was never linked to here
     bool seen = false;
     for (Observation& sighting : earlier.observations[camera]) {
       if (sighting.track != here.track || sighting.landmark.valid()) continue;
@@ -202,6 +233,7 @@ void Mapper::create_point(Keyframe& keyframe, int camera, size_t index) {
   landmark.distance_m = static_cast<float>(towards.norm());
   landmark.view_W = towards / towards.norm();
   landmark.last_keyframe = keyframe.sequence;
+  landmark.epoch = keyframe.epoch;
   landmark.track[camera] = keyframe.observations[camera][index].track;
   if (stereo) landmark.track[1 - camera] = sightings[1]->track;
   for (int i = 0; i < count; ++i) attach(*sightings[i], id.value(), landmark);
@@ -213,7 +245,8 @@ void Mapper::create_point(Keyframe& keyframe, int camera, size_t index) {
 void Mapper::build() {
   bundle_.begin(camera_, noise_, params_);
   members_.clear();
-  const size_t window = std::min(order_.size(), static_cast<size_t>(params_.window));
+  const size_t window =
+      std::min(order_.size() - run_begin(), static_cast<size_t>(params_.window));
   const size_t window_begin = order_.size() - window;
   slide_prior(window_begin);
   choose_fixed(window_begin);
@@ -234,8 +267,12 @@ void Mapper::build() {
 
 // Takes the prior along to the oldest keyframe of the window.
 void Mapper::slide_prior(size_t window_begin) {
-  if (prior_.sequence == 0) prior_ = start_prior(keyframe(0).sequence, keyframe(0).state, params_);
-  for (size_t i = 1; i <= window_begin; ++i) {
+  const size_t begin = run_begin();
+  if (prior_.sequence == 0) {
+    const Keyframe& first = keyframe(begin);
+    prior_ = start_prior(first.sequence, first.state, params_, first.at_rest);
+  }
+  for (size_t i = begin + 1; i <= window_begin; ++i) {
     const Keyframe &a = keyframe(i - 1), &b = keyframe(i);
     if (a.sequence < prior_.sequence) continue;
     prior_ = advance(prior_, a.state, b.sequence, b.state, b.linked ? &b.from_previous : nullptr,
@@ -261,10 +298,14 @@ void Mapper::choose_fixed(size_t window_begin) {
   };
   FixedVector<Candidate, kKeyframesMax> candidates;
   for (size_t i = 0; i < window_begin; ++i) {
-    int shared = 0;
-    for (const Observation& sighting : keyframe(i).observations[0]) {
-      const uint16_t slot = sighting.landmark.slot;
-      if (sighting.landmark.valid() && (in_window[slot / 64] >> (slot % 64) & 1)) ++shared;
+    int shared = 0;  // by the camera that shares more: one of them may not have delivered
+    for (const Observations& observations : keyframe(i).observations) {
+      int by_camera = 0;
+      for (const Observation& sighting : observations) {
+        const uint16_t slot = sighting.landmark.slot;
+        if (sighting.landmark.valid() && (in_window[slot / 64] >> (slot % 64) & 1)) ++by_camera;
+      }
+      shared = std::max(shared, by_camera);
     }
     if (static_cast<float>(shared) >= params_.shared_points_min) {
       (void)candidates.push_back({static_cast<uint16_t>(i), shared});
@@ -362,7 +403,7 @@ void Mapper::finish() {
     newest_cov_ = bundle_.newest_cov();
   }
   remove_weak_points();
-  publish();
+  publish(bundle_.solved());
 }
 
 void Mapper::write_back() {
@@ -408,11 +449,13 @@ void Mapper::remove_weak_points() {
   }
 }
 
-void Mapper::publish() {
+void Mapper::publish(bool adjusted) {
   MapSnapshot& snapshot = mailbox_->back();
   const Keyframe& newest = keyframe(order_.size() - 1);
   const Vec3 p_WB = newest.state.T_WB.p;
   snapshot.keyframe = newest.sequence;
+  snapshot.epoch = newest.epoch;
+  snapshot.adjusted = adjusted;
   snapshot.state = newest.state;
   snapshot.cov = newest_cov_;
   snapshot.points.clear();
@@ -430,7 +473,8 @@ void Mapper::publish() {
               landmark->view_W,
               landmark->distance_m,
               {landmark->track[0], landmark->track[1]},
-              landmark->last_keyframe == newest.sequence};
+              landmark->last_keyframe == newest.sequence,
+              landmark->epoch};
     if (!point->in_newest) point->track[0] = point->track[1] = 0;
   }
   mailbox_->publish();

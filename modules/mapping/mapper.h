@@ -19,7 +19,7 @@ namespace pirvs {
 struct MappingCounters {
   uint32_t keyframes = 0, keyframes_removed = 0, adjustments = 0, adjustments_failed = 0;
   uint32_t points_stereo = 0, points_temporal = 0, points_removed = 0, points_full = 0;
-  uint32_t points_rejected = 0, observations_removed = 0, bundle_full = 0, restarts = 0;
+  uint32_t points_rejected = 0, observations_removed = 0, bundle_full = 0, restarts = 0, joins = 0;
 };
 
 class Mapper {
@@ -41,7 +41,8 @@ class Mapper {
   enum class Phase : uint8_t { kIdle, kBuild, kAdjust, kFinish };
 
   void insert(const KeyframeMessage& message);
-  void forget_all();
+  void join(const KeyframeMessage& message);
+  size_t run_begin() const;
   void remove_keyframe(size_t order);
   LandmarkId landmark_of_track(int camera, TrackId track);
   void create_points(Keyframe& keyframe);
@@ -59,7 +60,7 @@ class Mapper {
   void write_back();
   void remove_outliers();
   void remove_weak_points();
-  void publish();
+  void publish(bool adjusted);
 
   Keyframe& keyframe(size_t order) { return *map_.keyframes.find(order_[order]); }
 
@@ -87,6 +88,7 @@ class Mapper {
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
   FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
   WindowPrior prior_;
+  uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();
   MappingCounters counters_;
 };

@@ -61,7 +61,8 @@ void forget_gauge(const MappingParams& params, WindowPrior& prior) {
 
 }  // namespace
 
-WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params) {
+WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params,
+                        bool at_rest) {
   WindowPrior prior;
   prior.sequence = sequence;
   prior.mean = first;
@@ -70,11 +71,21 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
   const Mat3 R = first.T_WB.R;
   prior.information.block<3, 3>(0, 0) = R.transpose() * about_axes.asDiagonal() * R;
   prior.information.diagonal().segment<3>(3).setConstant(information(1e-4));
-  prior.information.diagonal().segment<3>(6).setConstant(information(0.5));
+  prior.information.diagonal().segment<3>(6).setConstant(information(at_rest ? 0.01 : 0.5));
   prior.information.diagonal().segment<3>(9).setConstant(information(params.start_sigma_gyro_bias));
   prior.information.diagonal().segment<3>(12).setConstant(
       information(params.start_sigma_accel_bias));
   return prior;
+}
+
+void move(const SE3& T, WindowPrior& prior) {
+  BodyState& mean = prior.mean;
+  mean.T_WB = T * mean.T_WB;
+  mean.v_WB = T.R * mean.v_WB;
+  Mat15 A = Mat15::Identity();  // place and velocity are told in W, the attitude's error in B
+  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
+  prior.information = (A * prior.information * A.transpose()).eval();
+  prior.gradient = (A * prior.gradient).eval();
 }
 
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,

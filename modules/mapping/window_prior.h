@@ -23,7 +23,10 @@ struct WindowPrior {
   Vec15 gradient = Vec15::Zero();
 };
 
-WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params);
+WindowPrior start_prior(uint32_t sequence, const BodyState& first, const MappingParams& params,
+                        bool at_rest = false);
+// The same prior in a world that T turns about the vertical and shifts.
+void move(const SE3& T, WindowPrior& prior);
 // `motion`: from the keyframe of `prior` (state a) to the next (state b); nullptr if not linked.
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
                     const BodyState& b, const Preintegration* motion, const ImuNoise& noise,

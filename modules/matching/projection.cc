@@ -28,16 +28,20 @@ bool seen_alike(const MapPoint& point, const Vec3& p_WC) {
 void MapView::clear() {
   snapshot_ = nullptr;
   local_.clear();
+  own_points_ = 0;
 }
 
 void MapView::assign(const MapSnapshot& snapshot, const SE3& T_WB, const Camera* cameras,
                      int count) {
   snapshot_ = &snapshot;
   local_.clear();
+  own_points_ = 0;
   std::fill(std::begin(index_), std::end(index_), kNone);
   for (size_t i = 0; i < snapshot.points.size(); ++i) {
     const MapPoint& point = snapshot.points[i];
     index_[point.id.slot] = static_cast<uint16_t>(i);
+    if (point.epoch != snapshot.epoch) continue;  // its place is not exact to the pose
+    ++own_points_;
     for (int c = 0; c < count; ++c) {
       const SE3 T_WC = T_WB * cameras[c].T_BC;
       const Vec3 p_C = T_WC.R.transpose() * (point.p_W - T_WC.p);

@@ -14,20 +14,24 @@
 
 namespace pirvs {
 
-// A MapSnapshot with an index, and the short list of points that may be in view.
+// A MapSnapshot with an index, and the short list of points of its epoch that may be in view.
 class MapView {
  public:
   void assign(const MapSnapshot& snapshot, const SE3& T_WB, const Camera* cameras, int count);
   void clear();
   const MapPoint* find(LandmarkId id) const;
   const FixedVector<uint16_t, kLandmarksMax>& local() const { return local_; }
+  uint16_t epoch() const { return snapshot_ == nullptr ? 0 : snapshot_->epoch; }
   const MapPoint& point(uint16_t index) const { return snapshot_->points[index]; }
   bool empty() const { return snapshot_ == nullptr; }
+  size_t points() const { return snapshot_ == nullptr ? 0 : snapshot_->points.size(); }
+  size_t own_points() const { return own_points_; }  // of the epoch
 
  private:
   const MapSnapshot* snapshot_ = nullptr;
   uint16_t index_[kLandmarksMax];  // slot -> place in snapshot_->points
   FixedVector<uint16_t, kLandmarksMax> local_;
+  size_t own_points_ = 0;
 };
 
 struct PosePrediction {

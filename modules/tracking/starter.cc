@@ -52,6 +52,7 @@ void Starter::configure(const Camera* cameras, const ImuNoise& noise, const Filt
   noise_ = noise;
   params_ = params;
   locator_.configure(cameras, noise, filter);
+  for (int c = 0; c < kCamerasMax; ++c) mono_[c].configure(cameras[c], c, noise, params);
   reset();
 }
 
@@ -78,7 +79,7 @@ Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
                           const SE3& origin) {
   if (frames_.empty()) return begin(t, keyframe);
   SE3 T_B0B = frames_.back().T_B0B;
-  T_B0B.R = T_B0B.R * integrate(frames_.back().t, t, Vec3::Zero()).dR;
+  T_B0B.R = T_B0B.R * between(frames_.back().t, t, Vec3::Zero()).dR;
   if (frames_.size() > 1) T_B0B.p += T_B0B.p - frames_[frames_.size() - 2].T_B0B.p;
   const int inliers = locate(T_B0B, left, right);
   if (inliers < kInliersMin || frames_.full()) {
@@ -173,15 +174,8 @@ void Starter::add_keyframe(TimeNs t, const Observations* keyframe) {
   message->observations[1] = keyframe[1];
 }
 
-Preintegration Starter::integrate(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
-  Preintegration sum;
-  sum.reset(b_g, Vec3::Zero());
-  for (size_t i = 1; i < imu_.size(); ++i) {
-    const ImuSample &a = imu_[i - 1], &b = imu_[i];
-    if (a.t < t0 || b.t > t1) continue;
-    sum.add(a.w_B, a.f_B, b.w_B, b.f_B, to_seconds(b.t - a.t), noise_);
-  }
-  return sum;
+Preintegration Starter::between(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
+  return integrate(imu_, t0, t1, b_g, Vec3::Zero(), noise_);
 }
 
 bool Starter::solve_gyro_bias(Vec3& b_g) const {
@@ -191,7 +185,7 @@ bool Starter::solve_gyro_bias(Vec3& b_g) const {
     Vec3 g = Vec3::Zero();
     for (size_t k = 1; k < frames_.size(); ++k) {
       if (!frames_[k].keyframe) continue;
-      const Preintegration motion = integrate(frames_[0].t, frames_[k].t, b_g);
+      const Preintegration motion = between(frames_[0].t, frames_[k].t, b_g);
       const Vec3 r = so3_log(motion.dR.transpose() * frames_[k].T_B0B.R);
       H += motion.dR_dbg.transpose() * motion.dR_dbg;
       g += motion.dR_dbg.transpose() * r;
@@ -206,7 +200,7 @@ bool Starter::solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const {
   Mat6 H = Mat6::Zero();
   Vec6 rhs = Vec6::Zero();
   const auto row = [&](size_t k, Eigen::Matrix<double, 3, 6>& A, Vec3& y) {
-    const Preintegration motion = integrate(frames_[0].t, frames_[k].t, b_g);
+    const Preintegration motion = between(frames_[0].t, frames_[k].t, b_g);
     A.leftCols<3>() = Mat3::Identity() * motion.dt_s;
     A.rightCols<3>() = Mat3::Identity() * (0.5 * motion.dt_s * motion.dt_s);
     y = frames_[k].T_B0B.p - motion.dp;
@@ -261,7 +255,7 @@ Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) 
   for (KeyframeMessage& message : keyframes_) {
     const auto* frame = std::find_if(frames_.begin(), frames_.end(),
                                      [&](const Frame& f) { return f.t == message.state.t; });
-    const Preintegration motion = integrate(frames_[0].t, frame->t, b_g);
+    const Preintegration motion = between(frames_[0].t, frame->t, b_g);
     message.state.T_WB.R = R_WB0 * frame->T_B0B.R;
     message.state.T_WB.p = origin.p + R_WB0 * frame->T_B0B.p;
     message.state.v_WB = R_WB0 * (v_B0 + (at_rest_ ? Vec3::Zero() : motion.dv)) +
@@ -270,16 +264,111 @@ Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) 
     message.state.b_a.setZero();
   }
   for (size_t i = 1; i < keyframes_.size(); ++i) {
-    keyframes_[i].from_previous = integrate(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
-    keyframes_[i].linked = true;
+    keyframes_[i].from_previous = between(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
   }
-  for (KeyframeMessage& message : keyframes_) message.adjust = false;
+  seal_keyframes();
+  cov_ = start_cov(at_rest_);
+  return Status::kOk;
+}
+
+void Starter::seal_keyframes() {
+  for (KeyframeMessage& message : keyframes_) {
+    message.linked = true;
+    message.adjust = message.restart = false;
+    message.at_rest = at_rest_;
+  }
   keyframes_[0].restart = true;
   keyframes_[0].linked = false;
   keyframes_.back().adjust = true;
   state_ = keyframes_.back().state;
-  cov_ = start_cov(at_rest_);
+}
+
+void Starter::move(const SE3& T) {
+  for (KeyframeMessage& message : keyframes_) {
+    message.state.T_WB = T * message.state.T_WB;
+    message.state.v_WB = T.R * message.state.v_WB;
+  }
+  state_ = keyframes_.back().state;
+  Mat15 A = Mat15::Identity();
+  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
+  cov_ = (A * cov_ * A.transpose()).eval();
+}
+
+// ---- one camera -------------------------------------------------------------------------------
+
+Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
+                               const StandstillDetector& standstill, const SE3& origin) {
+  if (keyframe == nullptr) return Status::kEmpty;
+  if (imu_.empty() || imu_.back().t != t || imu_.full() || keyframe[c].size() < kPointsMin) {
+    reset();
+    return Status::kStale;
+  }
+  if (frames_.empty()) {
+    const ImuSample first = imu_.back();
+    reset();
+    *frames_.append() = {t, SE3{}, true};
+    (void)imu_.push_back(first);
+  }
+  if (keyframes_.full()) forget_oldest_keyframe();
+  add_keyframe(t, keyframe);
+  if (to_seconds(t - keyframes_[0].state.t) < params_.start_s) return Status::kEmpty;
+  if (standstill.at_rest()) {
+    finish_mono_at_rest(standstill, origin);
+    return Status::kOk;
+  }
+  MonoStart start;
+  if (mono_[c].solve(imu_, keyframes_, start) != Status::kOk) return Status::kEmpty;
+  finish_mono(start, origin);
   return Status::kOk;
+}
+
+void Starter::forget_oldest_keyframe() {
+  for (size_t i = 1; i < keyframes_.size(); ++i) keyframes_[i - 1] = keyframes_[i];
+  keyframes_.pop_back();
+  size_t kept = 0;
+  for (const ImuSample& sample : imu_) {
+    if (sample.t >= keyframes_[0].state.t) imu_[kept++] = sample;
+  }
+  imu_.resize(kept);
+}
+
+void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
+  at_rest_ = false;
+  const Mat3 R_WB0 = upright(start.g_B0, origin.R);
+  Preintegration motion;
+  for (size_t i = 0; i < keyframes_.size(); ++i) {
+    KeyframeMessage& message = keyframes_[i];
+    const TimeNs t = message.state.t;
+    motion = integrate(imu_, keyframes_[0].state.t, t, start.b_g, start.b_a, noise_);
+    const double dt_s = motion.dt_s;
+    message.state.T_WB.R = R_WB0 * motion.dR;
+    message.state.T_WB.p = origin.p + R_WB0 * (start.v_B0 * dt_s + 0.5 * dt_s * dt_s * start.g_B0 +
+                                               motion.dp);
+    message.state.v_WB = R_WB0 * (start.v_B0 + start.g_B0 * dt_s + motion.dv);
+    message.state.b_g = start.b_g;
+    message.state.b_a = start.b_a;
+    if (i == 0) continue;
+    message.from_previous =
+        integrate(imu_, keyframes_[i - 1].state.t, t, start.b_g, start.b_a, noise_);
+  }
+  seal_keyframes();
+  cov_ = mono_start_cov(start, motion, R_WB0);
+}
+
+// One keyframe without depth: points come when the body begins to move, by dead reckoning.
+void Starter::finish_mono_at_rest(const StandstillDetector& standstill, const SE3& origin) {
+  at_rest_ = true;
+  keyframes_[0] = keyframes_.back();
+  keyframes_.resize(1);
+  BodyState& state = keyframes_[0].state;
+  const Vec3 up_B = standstill.mean_force_B().normalized();
+  state.T_WB.R = upright(-up_B, origin.R);
+  state.T_WB.p = origin.p;
+  state.v_WB.setZero();
+  state.b_g = standstill.mean_rate_B();
+  state.b_a = standstill.mean_force_B() - kGravity_m_s2 * up_B;
+  seal_keyframes();
+  cov_ = start_cov(at_rest_);
 }
 
 }  // namespace pirvs

@@ -1,6 +1,7 @@
 // Starts the tracker, at rest or in motion: gravity, gyro bias and velocity from a few frames.
-// In      IMU samples (one of them exactly at each frame's time) and tracks of both cameras; points
-//         seen by both cameras give metric poses relative to the first frame at once.
+// In      IMU samples (one of them exactly at each frame's time) and tracks of both cameras, where
+//         points seen by both give metric poses relative to the first frame at once; or of one
+//         camera, where the IMU says how large the motion was (mono_start.h).
 // Out     keyframes of the start in W, ready for mapping; "at rest" or "in motion".
 // Frames  B0: body at the first frame of the attempt. W: gravity along -z, heading and place of
 //         `origin`.
@@ -11,15 +12,15 @@
 #pragma once
 
 #include "modules/health/health.h"
-#include "modules/matching/stereo.h"
 #include "modules/tracking/filter.h"
+#include "modules/tracking/mono_start.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
 
 class Starter {
  public:
-  static constexpr int kKeyframesMax = 14;
+  static constexpr int kKeyframesMax = static_cast<int>(StartKeyframes::capacity());
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                  const TrackerParams& params);
   void reset();
@@ -33,10 +34,17 @@ class Starter {
                    const Observations* keyframe /* [kCamerasMax] */,
                    const StandstillDetector& standstill, const SE3& origin);
 
-  const FixedVector<KeyframeMessage, kKeyframesMax>& keyframes() const { return keyframes_; }
+  // The same from camera `c` alone. An attempt is of one kind: reset() before changing over.
+  Status add_mono_frame(TimeNs t, int c, const Observations* keyframe,
+                        const StandstillDetector& standstill, const SE3& origin);
+
+  const StartKeyframes& keyframes() const { return keyframes_; }
+  // Carries a finished start elsewhere: T turns about the vertical and shifts.
+  void move(const SE3& T);
   const BodyState& state() const { return state_; }
   const Mat15& cov() const { return cov_; }
   bool at_rest() const { return at_rest_; }
+  bool idle() const { return frames_.empty(); }  // no attempt under way
   // Rotation of the body since frame 0, for flow prediction.
   Mat3 R_B0B() const { return R_B0B_; }
 
@@ -58,21 +66,26 @@ class Starter {
   int locate(SE3& T_B0B, const Tracks& left, const Tracks& right);
   void add_points(const SE3& T_B0B, const Observations* keyframe);
   void add_keyframe(TimeNs t, const Observations* keyframe);
+  void forget_oldest_keyframe();
   const Point* find(int camera, TrackId track) const;
-  Preintegration integrate(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
+  Preintegration between(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
   bool solve_gyro_bias(Vec3& b_g) const;
   bool solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const;
   Status finish(const StandstillDetector& standstill, const SE3& origin);
+  void finish_mono(const MonoStart& start, const SE3& origin);
+  void finish_mono_at_rest(const StandstillDetector& standstill, const SE3& origin);
+  void seal_keyframes();
 
   Camera camera_[kCamerasMax];
   SE3 T_C1C0_;
   ImuNoise noise_;
   TrackerParams params_;
   Filter locator_;
-  FixedVector<ImuSample, 2048> imu_;
+  MonoStarter mono_[kCamerasMax];
+  ImuWindow imu_;
   FixedVector<Frame, kFramesMax> frames_;
   FixedVector<Point, kPointsMax> points_[kCamerasMax];
-  FixedVector<KeyframeMessage, kKeyframesMax> keyframes_;
+  StartKeyframes keyframes_;
   Correspondences correspondences_;
   Mat3 R_B0B_ = Mat3::Identity();
   BodyState state_;

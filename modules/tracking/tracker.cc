@@ -8,10 +8,18 @@
 #include "core/math/trig.h"
 
 namespace pirvs {
+namespace {
 
-void Tracker::configure(const Camera* cameras, const ImuNoise& noise, const TrackingParams& params,
-                        KeyframeRing* keyframes, MapMailbox* map) {
+constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;  // cameras, a bit each
+constexpr size_t kTracksSeeing = 8;                            // fewer: the camera sees nothing
+constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
+
+}  // namespace
+
+void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
+                        const TrackingParams& params, KeyframeRing* keyframes, MapMailbox* map) {
   for (int c = 0; c < kCamerasMax; ++c) camera_[c] = cameras[c];
+  cameras_ = count;
   noise_ = noise;
   params_ = params;
   keyframes_ = keyframes;
@@ -21,6 +29,7 @@ void Tracker::configure(const Camera* cameras, const ImuNoise& noise, const Trac
   stereo_.configure(cameras[0], cameras[1], params.stereo);
   health_.configure(params.health);
   standstill_.configure(params.health);
+  recogniser_.configure(cameras, count, params.tracker);
   view_.clear();
 }
 
@@ -50,6 +59,7 @@ Vec3 Tracker::prepare(Frontend* frontends) {
       const Mat3 R_BC = camera_[c].T_BC.R;
       frontends[c].predict(R_BC.transpose() * R_BlBn_.transpose() * R_BC);
     }
+    if (starter_.idle()) origin_.R = orthonormalized(origin_.R * R_BlBn_);
     R_BlBn_.setIdentity();
     return -last_imu_.f_B;
   }
@@ -80,13 +90,30 @@ void Tracker::take_snapshot(Frontend* frontends) {
   const MapSnapshot* snapshot = mailbox_->take();
   if (snapshot == nullptr) return;
   ++counters_.snapshots;
-  if (snapshot->keyframe == sequence_) {
+  const SE3 T_WB_before = filter_.state().T_WB;
+  const bool joined = joining_ && snapshot->keyframe == sequence_;
+  if (joined) carry_over();
+  if (snapshot->keyframe == sequence_ && snapshot->adjusted) {
     restart_filter(snapshot->state, snapshot->cov);
-  } else {
+  } else if (snapshot->keyframe != sequence_) {
     ++counters_.snapshots_late;
   }
-  view_.assign(*snapshot, filter_.state().T_WB, camera_, kCamerasMax);
+  note_jump(T_WB_before, filter_.state().T_WB, joined);
+  view_.assign(*snapshot, filter_.state().T_WB, camera_, cameras_);
   associate(*snapshot, frontends);
+}
+
+// The old map's frame from now on, should the adjustment have failed to say so itself.
+void Tracker::carry_over() {
+  BodyState state = filter_.state();
+  state.T_WB = T_join_ * state.T_WB;
+  state.v_WB = T_join_.R * state.v_WB;
+  Mat15 A = Mat15::Identity();
+  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T_join_.R;
+  filter_.reset(state, A * filter_.cov() * A.transpose());
+  filter_.propagate(last_imu_);
+  T_WB_last_frame_ = T_join_ * T_WB_last_frame_;
+  joining_ = false;
 }
 
 void Tracker::restart_filter(const BodyState& state, const Mat15& cov) {
@@ -98,14 +125,14 @@ void Tracker::restart_filter(const BodyState& state, const Mat15& cov) {
     return;
   }
   filter_.reset(state, cov);
-  const SE3 T_WB_before = T_WB_last_frame_;
+  const SE3 T_WB_last = T_WB_last_frame_;
   for (; i < history_size_; ++i) {
     filter_.propagate(history_[i % kHistory]);
     if (history_[i % kHistory].t == state.t) T_WB_last_frame_ = state.T_WB;
   }
   // Frames since the keyframe were located in the unrefined map: carry them over by the same shift.
   if (last_keyframe_.t == state.t) {
-    T_WB_last_frame_ = state.T_WB * last_keyframe_.T_WB.inverse() * T_WB_before;
+    T_WB_last_frame_ = state.T_WB * last_keyframe_.T_WB.inverse() * T_WB_last;
     last_keyframe_ = state;
   }
 }
@@ -121,7 +148,7 @@ void Tracker::associate(const MapSnapshot& snapshot, Frontend* frontends) {
     FixedVector<Entry, kTracksMax> sorted;
     for (size_t i = 0; i < tracks.size(); ++i) {
       const MapPoint* point = view_.find(tracks[i].landmark);
-      const bool freed = point == nullptr || (snapshot.keyframe == sequence_ && point->in_newest &&
+      const bool freed = point == nullptr || point->epoch != view_.epoch() || (snapshot.keyframe == sequence_ && point->in_newest &&
                                               point->track[c] != tracks[i].id);
       if (freed) tracks[i].landmark = LandmarkId{};
       (void)sorted.push_back({tracks[i].id, static_cast<uint16_t>(i)});
@@ -141,7 +168,7 @@ void Tracker::associate(const MapSnapshot& snapshot, Frontend* frontends) {
 void Tracker::match(Frontend* frontends) {
   if (!running_ || view_.empty()) return;
   const PosePrediction pose{filter_.state().T_WB, filter_.cov().topLeftCorner<6, 6>()};
-  for (int c = 0; c < kCamerasMax; ++c) {
+  for (int c = 0; c < cameras_; ++c) {
     counters_.matched_by_projection += static_cast<uint32_t>(
         match_by_projection(view_, pose, camera_[c], params_.tracker, frontends[c].tracks()));
   }
@@ -153,7 +180,7 @@ void Tracker::collect(Frontend* frontends) {
   for (int c = 0; c < kCamerasMax; ++c) {
     for (Track& track : frontends[c].tracks()) {
       const MapPoint* point = view_.find(track.landmark);
-      if (point == nullptr) continue;
+      if (point == nullptr || point->epoch != view_.epoch()) continue;
       const double sigma = params_.filter.sigma_px;
       (void)correspondences_.push_back(
           {point->p_W, point->cov, Vec2(track.x, track.y), sigma, c, Gate::kAccepted});
@@ -194,48 +221,95 @@ double Tracker::image_motion(const Frontend& frontend) const {
   return moved[moved.size() / 2];
 }
 
-FrameResult Tracker::frame(TimeNs t, bool stereo, Frontend* frontends) {
+// The cameras that delivered something to see, a bit each.
+uint8_t Tracker::seeing(uint8_t present, const Frontend* frontends) const {
+  uint8_t out = 0;
+  for (int c = 0; c < cameras_; ++c) {
+    const bool sees = (present >> c & 1) != 0 && frontends[c].tracks().size() >= kTracksSeeing;
+    out |= static_cast<uint8_t>(sees << c);
+  }
+  return out;
+}
+
+FrameResult Tracker::frame(TimeNs t, uint8_t present, Frontend* frontends) {
   FrameResult result;
   ++counters_.frames;
   const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
-  standstill_.add_image_motion(image_motion(frontends[0]), dt_s);
+  const uint8_t seen = seeing(present, frontends);
+  standstill_.add_image_motion(image_motion(frontends[seen == kRightAlone ? 1 : 0]), dt_s);
+  if (seen == kBoth || last_pair_t_ == 0) last_pair_t_ = t;
   last_frame_t_ = t;
-  if (!running_) {
-    if (stereo) start(t, frontends, result);
-    if (!running_) return result;
+  const bool ran = running_;
+  if (ran) {
+    update(t, seen, frontends, result);
   } else {
-    collect(frontends);
-    result.correspondences = static_cast<int>(correspondences_.size());
-    result.accepted = filter_.update(correspondences_);
-    count_misses(frontends);
-    if (standstill_.at_rest()) {
-      filter_.update_standstill(standstill_.mean_rate_B());
-      ++counters_.standstill_frames;
-    }
-    const double sigma_m = std::sqrt(filter_.cov().diagonal().segment<3>(3).maxCoeff());
-    result.health_changed = health_.update(t, result.accepted, sigma_m);
-    if (health_.state() == HealthState::kLost) {
-      lose();
-      return result;
-    }
-    if (stereo && keyframe_due(t, frontends)) {
-      find_stereo(frontends);
-      send_keyframe(t, frontends);
-      result.keyframe = true;
-    }
+    start(t, seen, frontends, result);
   }
+  if (!running_) return result;
+  if (ran) maybe_keyframe(t, seen, frontends, result);
   T_WB_last_frame_ = filter_.state().T_WB;
   result.has_pose = true;
   ++counters_.frames_with_pose;
   return result;
 }
 
+// The filter's step with what was matched, and what health says of it.
+void Tracker::update(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
+  const SE3 T_WB_predicted = filter_.state().T_WB;
+  const int enough = static_cast<int>(params_.health.matches_min);
+  collect(frontends);
+  result.correspondences = static_cast<int>(correspondences_.size());
+  result.accepted = filter_.update(correspondences_);
+  if (result.accepted >= enough) {
+    located_ = true;
+    light_since_ = 0;
+  } else if (seen == 0 || !located_) {
+    light_since_ = 0;
+  } else {
+    if (light_since_ == 0) light_since_ = t;
+    relocalize(t, frontends, result);
+  }
+  count_misses(frontends);
+  if (standstill_.at_rest()) {
+    filter_.update_standstill(standstill_.mean_rate_B());
+    ++counters_.standstill_frames;
+  }
+  note_jump(T_WB_predicted, filter_.state().T_WB, result.recognised);
+  const double sigma_m = std::sqrt(filter_.cov().diagonal().segment<3>(3).maxCoeff());
+  result.health_changed =
+      health_.update({t, result.accepted, occupied_cells(), sigma_m, standstill_.at_rest()});
+  if (health_.state() == HealthState::kLost) lose();
+}
+
+// The map stays: the next start looks for it.
 void Tracker::lose() {
   ++counters_.losses;
-  running_ = false;
+  running_ = located_ = false;
   origin_ = filter_.state().T_WB;
   starter_.reset();
-  view_.clear();
+}
+
+void Tracker::note_jump(const SE3& before, const SE3& after, bool certain) {
+  const double turn_rad = so3_log(before.R.transpose() * after.R).norm();
+  if (health_.note_jump((after.p - before.p).norm(), turn_rad, certain)) ++counters_.jumps;
+}
+
+// Of the image, by the accepted correspondences of the camera that has more.
+int Tracker::occupied_cells() const {
+  int most = 0;
+  for (int c = 0; c < cameras_; ++c) {
+    uint32_t cells = 0;
+    for (const Correspondence& k : correspondences_) {
+      if (k.camera != c || k.gate != Gate::kAccepted) continue;
+      const int column = std::clamp(static_cast<int>(4 * k.uv.x() / camera_[c].width), 0, 3);
+      const int row = std::clamp(static_cast<int>(3 * k.uv.y() / camera_[c].height), 0, 2);
+      cells |= 1u << (4 * row + column);
+    }
+    int count = 0;
+    for (; cells != 0; cells &= cells - 1) ++count;
+    most = std::max(most, count);
+  }
+  return most;
 }
 
 void Tracker::interrupt() {
@@ -251,42 +325,172 @@ void Tracker::interrupt() {
   R_BlBn_.setIdentity();
 }
 
-void Tracker::start(TimeNs t, Frontend* frontends, FrameResult& result) {
+// ---- recognising a place ----------------------------------------------------------------------
+
+bool Tracker::recognise(TimeNs t, EpochRule rule, const Mat3& R_WB, Frontend* frontends,
+                        Recognition& out) {
+  if (to_seconds(t - last_recognise_t_) < params_.tracker.recognise_every_s) return false;
+  last_recognise_t_ = t;
+  const Tracks* const tracks[kCamerasMax] = {&frontends[0].tracks(), &frontends[1].tracks()};
+  const bool found = recogniser_.solve(view_, rule, R_WB, tracks, out);
+  ++(found ? counters_.recognitions : counters_.recognitions_failed);
+  return found;
+}
+
+// There is light again, but what is seen is not where dead reckoning expects it.
+void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
+  Recognition& found = recognition_;
+  BodyState state = filter_.state();
+  if (!recognise(t, EpochRule::kSame, state.T_WB.R, frontends, found)) return;
+  state.v_WB = found.T_WB.R * state.T_WB.R.transpose() * state.v_WB;
+  state.T_WB = found.T_WB;
+  Mat15 cov = filter_.cov();
+  cov.topRows<6>().setZero();
+  cov.leftCols<6>().setZero();
+  cov.diagonal().head<3>().setConstant(kRecognised_rad * kRecognised_rad);
+  cov.diagonal().segment<3>(3).setConstant(kRecognised_m * kRecognised_m);
+  filter_.reset(state, cov);
+  filter_.propagate(last_imu_);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    for (Track& track : frontends[c].tracks()) track.landmark = LandmarkId{};
+  }
+  for (const Recognition::Match& match : found.matches) {
+    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
+  }
+  collect(frontends);
+  result.correspondences = static_cast<int>(correspondences_.size());
+  result.accepted = filter_.update(correspondences_);
+  result.recognised = true;
+  light_since_ = 0;
+}
+
+// A start that knew no place looks for the older map; mapping then carries over what it made since.
+bool Tracker::try_join(TimeNs t, Frontend* frontends) {
+  Recognition& found = recognition_;
+  if (!recognise(t, EpochRule::kOther, filter_.state().T_WB.R, frontends, found)) return false;
+  KeyframeMessage* message = begin_keyframe(t, frontends);
+  if (message == nullptr) return false;
+  T_join_ = found.T_WB * filter_.state().T_WB.inverse();
+  message->join = true;
+  message->joining = epoch_;
+  message->T_join = T_join_;
+  message->state.T_WB = T_join_ * message->state.T_WB;
+  message->state.v_WB = T_join_.R * message->state.v_WB;
+  message->epoch = epoch_ = found.epoch;
+  end_keyframe(*message);
+  place_known_ = joining_ = true;
+  ++counters_.joins;
+  return true;
+}
+
+// ---- starting ---------------------------------------------------------------------------------
+
+// A pair gives depth at once, so one camera alone is looked through only when the other stays away.
+Status Tracker::try_start(TimeNs t, uint8_t seen, Frontend* frontends) {
+  const bool alone = seen == kLeftAlone || seen == kRightAlone;
+  const bool waits = cameras_ > 1 && to_seconds(t - last_pair_t_) < params_.tracker.start_mono_after_s;
+  if (seen == 0 || (alone && waits)) return Status::kEmpty;
+  if (!starter_.idle() && seen != start_cameras_) starter_.reset();
+  start_cameras_ = seen;
   const Observations* observations = nullptr;
   if (starter_.wants_keyframe(t)) {
-    find_stereo(frontends);
+    stereo_pairs_.clear();
+    if (!alone) find_stereo(frontends);
     observe(frontends, start_observations_);
     observations = start_observations_;
   }
-  const Status status = starter_.add_frame(t, frontends[0].tracks(), frontends[1].tracks(),
-                                           observations, standstill_, origin_);
-  if (status == Status::kStale) ++counters_.start_failures;
-  if (status != Status::kOk) return;
+  if (alone) {
+    const int c = seen == kRightAlone ? 1 : 0;
+    return starter_.add_mono_frame(t, c, observations, standstill_, origin_);
+  }
+  return starter_.add_frame(t, frontends[0].tracks(), frontends[1].tracks(), observations,
+                            standstill_, origin_);
+}
+
+bool Tracker::send_start() {
   for (const KeyframeMessage& message : starter_.keyframes()) {
     KeyframeMessage* slot = keyframes_->begin_push();
     if (slot == nullptr) {  // mapping is behind: try again with the next frames
       ++counters_.keyframes_dropped;
       starter_.reset();
-      return;
+      return false;
     }
     *slot = message;
     slot->sequence = ++sequence_;
+    slot->epoch = epoch_;
     keyframes_->end_push();
     ++counters_.keyframes;
   }
+  return true;
+}
+
+// A start continues where the last track ended, unless the map knows better.
+void Tracker::find_place(TimeNs t, Frontend* frontends) {
+  Recognition& found = recognition_;
+  const BodyState& state = starter_.state();
+  last_recognise_t_ = 0;
+  place_known_ = view_.points() == 0;
+  if (!place_known_ && recognise(t, EpochRule::kSame, state.T_WB.R, frontends, found)) {
+    starter_.move(found.T_WB * state.T_WB.inverse());
+    place_known_ = true;
+    epoch_ = found.epoch;
+    ++counters_.joins;
+    return;
+  }
+  epoch_ = ++epochs_;
+}
+
+void Tracker::start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
+  const Status status = try_start(t, seen, frontends);
+  if (status == Status::kStale) ++counters_.start_failures;
+  if (status != Status::kOk) return;
+  find_place(t, frontends);
+  if (!send_start()) return;
   last_keyframe_ = starter_.state();
   since_keyframe_.reset(last_keyframe_.b_g, last_keyframe_.b_a);
   filter_.reset(last_keyframe_, starter_.cov());
   filter_.propagate(last_imu_);
   running_ = true;
+  joining_ = false;
+  light_since_ = 0;
   health_.started(t);
+  note_jump(origin_, filter_.state().T_WB, true);
   ++counters_.starts;
   result.started = true;
   result.started_at_rest = starter_.at_rest();
   result.health_changed = true;
 }
 
-bool Tracker::keyframe_due(TimeNs t, const Frontend* frontends) const {
+// ---- keyframes --------------------------------------------------------------------------------
+
+void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
+  const bool alone = seen == kLeftAlone || seen == kRightAlone;
+  const bool no_depth = alone && view_.own_points() == 0 && standstill_.at_rest();
+  const bool waits = light_since_ != 0 &&
+                     to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
+  if (seen == 0 || joining_ || waits) return;
+  if (!(no_depth ? rest_keyframe_due(t) : keyframe_due(t, frontends[seen == kRightAlone ? 1 : 0]))) {
+    return;
+  }
+  stereo_pairs_.clear();
+  if (!alone) find_stereo(frontends);
+  result.keyframe = true;
+  if (!place_known_ && try_join(t, frontends)) {
+    result.joined = true;
+    return;
+  }
+  KeyframeMessage* message = begin_keyframe(t, frontends);
+  if (message == nullptr) return;
+  message->restart = message->renew = no_depth;
+  end_keyframe(*message);
+}
+
+// One camera at rest has no depth: the keyframe that a first move will be measured from is renewed.
+bool Tracker::rest_keyframe_due(TimeNs t) const {
+  return to_seconds(t - last_keyframe_.t) > params_.tracker.keyframe_interval_s_max;
+}
+
+bool Tracker::keyframe_due(TimeNs t, const Frontend& frontend) const {
   const TrackerParams& p = params_.tracker;
   const double dt_s = to_seconds(t - last_keyframe_.t);
   if (dt_s < p.keyframe_interval_s_min || standstill_.at_rest()) return false;
@@ -296,9 +500,9 @@ bool Tracker::keyframe_due(TimeNs t, const Frontend* frontends) const {
   const double cos_turn = 0.5 * ((last_keyframe_.T_WB.R.transpose() * T_WB.R).trace() - 1.0);
   if (cos_turn < cosine(p.keyframe_angle_deg * (3.14159265358979 / 180))) return true;
   size_t matched = 0;
-  for (const Track& track : frontends[0].tracks()) matched += track.landmark.valid() ? 1 : 0;
+  for (const Track& track : frontend.tracks()) matched += track.landmark.valid() ? 1 : 0;
   return static_cast<float>(matched) <
-         p.keyframe_matched_ratio_min * static_cast<float>(frontends[0].tracks().size());
+         p.keyframe_matched_ratio_min * static_cast<float>(frontend.tracks().size());
 }
 
 // Gives every left track its counterpart in the right image, and the reverse for tracks of known
@@ -379,24 +583,29 @@ void Tracker::observe(const Frontend* frontends, Observations* observations) con
   }
 }
 
-void Tracker::send_keyframe(TimeNs t, Frontend* frontends) {
+// The next message, filled with what is tracked now, or nullptr: mapping is behind.
+KeyframeMessage* Tracker::begin_keyframe(TimeNs t, Frontend* frontends) {
   KeyframeMessage* message = keyframes_->begin_push();
   if (message == nullptr) {
     ++counters_.keyframes_dropped;
-    return;
+    return nullptr;
   }
   message->sequence = ++sequence_;
   message->state = filter_.state();
   message->state.t = t;
   observe(frontends, message->observations);
   message->from_previous = since_keyframe_;
-  message->linked = true;
-  message->adjust = true;
-  message->restart = false;
+  message->linked = message->adjust = true;
+  message->restart = message->renew = message->join = false;
+  message->at_rest = standstill_.at_rest();
+  message->epoch = epoch_;
+  return message;
+}
+
+void Tracker::end_keyframe(const KeyframeMessage& message) {
+  last_keyframe_ = message.state;
   keyframes_->end_push();
   ++counters_.keyframes;
-  last_keyframe_ = filter_.state();
-  last_keyframe_.t = t;
   since_keyframe_.reset(filter_.state().b_g, filter_.state().b_a);
 }
 

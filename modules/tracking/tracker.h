@@ -13,6 +13,7 @@
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
 #include "modules/matching/projection.h"
+#include "modules/matching/recognise.h"
 #include "modules/matching/stereo.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/starter.h"
@@ -34,19 +35,22 @@ struct TrackingCounters {
   uint32_t frames = 0, frames_with_pose = 0, starts = 0, start_failures = 0, losses = 0;
   uint32_t keyframes = 0, keyframes_dropped = 0, snapshots = 0, snapshots_late = 0;
   uint32_t matched_by_projection = 0, standstill_frames = 0, tracks_dropped = 0;
+  uint32_t recognitions = 0, recognitions_failed = 0, joins = 0, jumps = 0;
   uint32_t gates[static_cast<int>(Gate::kCount)] = {};
 };
 
 struct FrameResult {
   bool has_pose = false;
   bool started = false, started_at_rest = false, health_changed = false, keyframe = false;
+  bool recognised = false, joined = false;
   int correspondences = 0, accepted = 0;
 };
 
 class Tracker {
  public:
-  void configure(const Camera* cameras, const ImuNoise& noise, const TrackingParams& params,
-                 KeyframeRing* keyframes, MapMailbox* map);
+  // `cameras`: kCamerasMax of them, of which the first `count` exist.
+  void configure(const Camera* cameras, int count, const ImuNoise& noise,
+                 const TrackingParams& params, KeyframeRing* keyframes, MapMailbox* map);
 
   void add_imu(const ImuSample& sample);
   // Before the front-ends run on the frame at time t (the last sample's): takes the newest map and
@@ -55,8 +59,8 @@ class Tracker {
   // After correspondences were found: associates the unmatched, a separate step so that its time
   // can be told from that of the filter.
   void match(Frontend* frontends);
-  // `stereo`: both cameras delivered. Without, the frame is tracked but never becomes a keyframe.
-  FrameResult frame(TimeNs t, bool stereo, Frontend* frontends);
+  // Bit c of `present`: camera c delivered. One camera is enough for all, points then come by time.
+  FrameResult frame(TimeNs t, uint8_t present, Frontend* frontends);
 
   // Time does not go on from the last sample: what runs is lost, a new start continues its place.
   void interrupt();
@@ -66,24 +70,40 @@ class Tracker {
   const BodyState& state() const { return filter_.state(); }
   const Mat15& cov() const { return filter_.cov(); }
   HealthState health() const { return health_.state(); }
+  const Trust& trust() const { return health_.trust(); }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return stereo_; }
 
  private:
   void take_snapshot(Frontend* frontends);
   void restart_filter(const BodyState& state, const Mat15& cov);
+  void note_jump(const SE3& before, const SE3& after, bool certain);
   void associate(const MapSnapshot& snapshot, Frontend* frontends);
   void collect(Frontend* frontends);
+  void update(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
+  bool recognise(TimeNs t, EpochRule rule, const Mat3& R_WB, Frontend* frontends, Recognition& out);
+  void relocalize(TimeNs t, Frontend* frontends, FrameResult& result);
+  void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
+  bool try_join(TimeNs t, Frontend* frontends);
+  void lose();
+  void find_place(TimeNs t, Frontend* frontends);
+  void carry_over();
+  int occupied_cells() const;
   void count_misses(Frontend* frontends);
   double image_motion(const Frontend& frontend) const;
-  void lose();
-  void start(TimeNs t, Frontend* frontends, FrameResult& result);
-  bool keyframe_due(TimeNs t, const Frontend* frontends) const;
+  uint8_t seeing(uint8_t present, const Frontend* frontends) const;
+  void start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
+  Status try_start(TimeNs t, uint8_t seen, Frontend* frontends);
+  bool send_start();
+  bool keyframe_due(TimeNs t, const Frontend& frontend) const;
+  bool rest_keyframe_due(TimeNs t) const;
   void find_stereo(Frontend* frontends);
   void observe(const Frontend* frontends, Observations* observations) const;
-  void send_keyframe(TimeNs t, Frontend* frontends);
+  KeyframeMessage* begin_keyframe(TimeNs t, Frontend* frontends);
+  void end_keyframe(const KeyframeMessage& message);
 
   Camera camera_[kCamerasMax];
+  int cameras_ = kCamerasMax;
   ImuNoise noise_;
   TrackingParams params_;
   KeyframeRing* keyframes_ = nullptr;
@@ -96,6 +116,8 @@ class Tracker {
   StandstillDetector standstill_;
   MapView view_;
   bool running_ = false;
+  uint8_t start_cameras_ = 0;  // that the attempt to start looks through, a bit each
+  TimeNs last_pair_t_ = 0;     // when both cameras last saw something
   SE3 origin_;           // where a restart continues
   SE3 T_WB_last_frame_;  // for flow prediction
   TimeNs last_frame_t_ = 0;
@@ -103,6 +125,15 @@ class Tracker {
   Preintegration since_keyframe_;
   BodyState last_keyframe_;
   uint32_t sequence_ = 0;
+  uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
+  bool place_known_ = true;          // this epoch is the map's first, or was joined to it
+  TimeNs last_recognise_t_ = 0;
+  TimeNs light_since_ = 0;           // blind no longer, but the place not yet recognised; 0: neither
+  bool located_ = false;             // matches have been enough since the start
+  bool joining_ = false;             // mapping carries this epoch over to another by T_join_
+  SE3 T_join_;
+  Recogniser recogniser_;
+  Recognition recognition_;
   ImuSample last_imu_;
   bool has_imu_ = false;
   Mat3 R_BlBn_ = Mat3::Identity();  // gyro alone, last frame to now, while starting

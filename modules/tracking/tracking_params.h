@@ -46,6 +46,11 @@ struct TrackerParams {
   float misses_max = 3.0f;
   float start_s = 0.7f;
   float start_keyframe_s = 0.14f;
+  float start_scale_sigma_max = 0.1f;
+  float start_mono_after_s = 0.5f;
+  float recognise_every_s = 0.2f;
+  float recognise_wait_s = 0.5f;
+  float recognise_matches_min = 12.0f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
@@ -72,6 +77,16 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
     {"start_s", &TrackerParams::start_s, 0.2f, 2, "s", "time that a start looks at"},
     {"start_keyframe_s", &TrackerParams::start_keyframe_s, 0.05f, 0.5f, "s",
      "spacing of the first keyframes"},
+    {"start_scale_sigma_max", &TrackerParams::start_scale_sigma_max, 0.005f, 1, "1",
+     "a start from one camera waits until its scale is this certain"},
+    {"start_mono_after_s", &TrackerParams::start_mono_after_s, 0, 60, "s",
+     "a start waits this long for the second camera of a pair"},
+    {"recognise_every_s", &TrackerParams::recognise_every_s, 0, 60, "s",
+     "time between looks for an old place while the place is unknown"},
+    {"recognise_wait_s", &TrackerParams::recognise_wait_s, 0, 60, "s",
+     "after blindness, mapping waits this long for the place to be recognised"},
+    {"recognise_matches_min", &TrackerParams::recognise_matches_min, 4, 200, "1",
+     "matches that fit one pose and make a place recognised"},
 };
 static_assert(sizeof(TrackerParams) == std::size(kTrackerRows) * sizeof(float));
 

@@ -158,7 +158,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     const ImuNoise noise = fs::exists(own) ? read_imu_noise(own) : ImuNoise{};
     recording.calibration = read_kalibr_calibration(options.calibration, noise);
   }
-  if (!fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
+  if (options.mono || !fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
   if (const CalibrationFault fault = find_fault(recording.calibration)) {
     const std::string& file = options.calibration.empty() ? mav0 : options.calibration;
     throw InputError(fault.what, file + ", " + fault.where, fault.what_to_do);

@@ -63,10 +63,6 @@ int run(const Options& options, const std::string& command) {
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
-  if (recording.calibration.cameras < 2) {
-    throw InputError("only one camera", options.sequence,
-                     "starting needs metric depth from a stereo pair: record cam0 and cam1");
-  }
   OutputFolder out(options.out);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
@@ -119,6 +115,7 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
   app.add_option("--out", o->out, "folder for the results")->required();
   app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
+  app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
