@@ -14,7 +14,6 @@ namespace pirvs::systems {
 namespace {
 
 namespace fs = std::filesystem;
-using tools::FrameFiles;
 using tools::Recording;
 
 constexpr double kAteOfPath_max = 0.01;  // after a fault that the stack bridges
@@ -213,15 +212,6 @@ TEST(fault, flat_images_from_the_start_give_no_pose) {
     EXPECT_EQ(run.result.exit_status(), 1);
     EXPECT_EQ(run.result.frames_before_start, run.result.frames_in);
   }
-}
-
-TEST(fault, one_camera_alone_never_starts_and_ends) {
-  Recording mono = recording();
-  mono.calibration.cameras = 1;
-  for (FrameFiles& frame : mono.frames) frame.image[1].clear();
-  const Replay run = replay(mono);
-  EXPECT_EQ(run.result.exit_status(), run.result.trajectory.poses.empty() ? 1 : 0);
-  EXPECT_EQ(run.counter("camera_missing"), 0u) << "there is only one";
 }
 
 TEST(fault, sensors_that_end_early) {

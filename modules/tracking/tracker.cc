@@ -321,7 +321,7 @@ void Tracker::interrupt() {
   standstill_.reset();
   has_imu_ = false;
   history_size_ = 0;
-  last_frame_t_ = 0;
+  last_frame_t_ = last_pair_t_ = last_recognise_t_ = light_since_ = 0;
   R_BlBn_.setIdentity();
 }
 
