@@ -1,11 +1,13 @@
 # PIRVS: every command of the project. `make` alone lists them.
 #
+# Board `host` is built here; the others, without an operating system, by board/bare/bare.mk.
 # A source belongs to one of six sets by its place and name alone; nothing is listed by hand:
 #   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD)
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
 #   fuzzers   *.cc below tests/fuzz: the parsers' targets for libFuzzer; *_test.cc replays the corpus
+#   emulated  *.cc below tests/emulator: images without an operating system, run in QEMU
 #   benches   *_bench.cc: Google Benchmark
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -25,8 +27,9 @@ OUT_FUZZ := $(BUILD)/$(BOARD)-fuzz
 ifneq ($(filter-out address thread,$(SAN)),)
   $(error SAN=$(SAN): there are address and thread)
 endif
-ifneq ($(BOARD),host)
-  $(error BOARD=$(BOARD) cannot be built yet; boards: host)
+BOARDS := host $(patsubst board/%/board.mk,%,$(wildcard board/*/board.mk))
+ifeq ($(filter $(BOARD),$(BOARDS)),)
+  $(error no board/$(BOARD)/board.mk; boards: $(BOARDS))
 endif
 
 # ---- sources -----------------------------------------------------------------------------------
@@ -37,8 +40,9 @@ ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers 
   board/$(BOARD))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
-ALL_SYSTEMS := $(filter-out $(ALL_FUZZ),$(call find_cc,tests))
-EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ)
+EMULATOR_SRC := $(call find_cc,tests/emulator)
+ALL_SYSTEMS := $(filter-out $(ALL_FUZZ) $(EMULATOR_SRC),$(call find_cc,tests))
+EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ) $(EMULATOR_SRC)
 
 BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
 TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS)) \
@@ -61,7 +65,8 @@ FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %/player.cc,\
 # same code wherever the linker takes them from, or results would depend on the order of objects.
 #   -ffp-contract=off, EIGEN_DONT_VECTORIZE   the same bits on x86-64 and AArch64
 #   EIGEN_STACK_ALLOCATION_LIMIT              Eigen never calls malloc for a temporary
-COMMON := -std=c++17 -march=native -ffp-contract=off -fno-math-errno -Wall -Wextra \
+ARCH := $(if $(filter host,$(BOARD)),-march=native)
+COMMON := -std=c++17 $(ARCH) -ffp-contract=off -fno-math-errno -Wall -Wextra \
   -DEIGEN_DONT_VECTORIZE -DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul -DEIGEN_NO_IO \
   -I. -isystem /usr/include/eigen3 -ffile-prefix-map=$(CURDIR)/=
 RELEASE := -O3 -g1
@@ -84,13 +89,35 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run test test-unit test-system fuzz bench check format setup clean FORCE
+.PHONY: help all run size test test-unit test-system test-emulator fuzz bench check format setup \
+  clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 22
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
 	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz)"
+	@echo "Without an operating system, BOARD=$(filter-out host,$(BOARDS)):"
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' board/bare/bare.mk | expand -t 28
+	@echo "Options: SEQ=recording, DURATION=seconds of it, ARGS='words for the image'"
+
+format: $(BUILD)/setup.stamp ## rewrite every source with clang-format
+	@git ls-files -z --cached --others --exclude-standard '*.h' '*.cc' | xargs -0r clang-format -i
+
+setup: ## install the packages of tools/setup/packages.txt that are missing
+	@tools/setup/install
+	@mkdir -p $(BUILD) && touch $(BUILD)/setup.stamp
+
+clean: ## delete build/
+	rm -rf $(BUILD)
+
+$(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
+	@tools/setup/install
+	@mkdir -p $(BUILD) && touch $@
+
+ifneq ($(BOARD),host)
+include board/$(BOARD)/board.mk
+else
 
 all: $(OUT)/pirvs ## build the program, build/host/pirvs
 
@@ -113,7 +140,7 @@ $(SIM).done: | $(OUT)/pirvs
 # T=name runs the tests whose full name (suite.test) contains it. Results for machines are left in
 # build/test/*.json. Unit and system tests run one after the other: timings stay comparable.
 GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
-test: test-unit test-system ## every test; T=name those whose name contains it
+test: test-unit test-system test-emulator ## every test; T=name those whose name contains it
 
 SAN_OPTIONS := UBSAN_OPTIONS=print_stacktrace=1 TSAN_OPTIONS=suppressions=tests/tsan.supp
 test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
@@ -134,25 +161,18 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 	PIRVS_FUZZ=$(T) $(OUT_FUZZ)/fuzz -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 \
 	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
 
+EMULATED_BOARDS := qemu-virt
+test-emulator: $(OUT)/emulator_tests $(if $(ONE_BY_ONE),test-system) ## images in the emulator alone
+	@for board in $(EMULATED_BOARDS); do $(MAKE) --no-print-directory BOARD=$$board all; done
+	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
+	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
+	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
+
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
 
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
 	@tools/check/run --build $(BUILD) --objects $(OUT)/obj
-
-format: $(BUILD)/setup.stamp ## rewrite every source with clang-format
-	@git ls-files -z --cached --others --exclude-standard '*.h' '*.cc' | xargs -0r clang-format -i
-
-setup: ## install the packages of tools/setup/packages.txt that are missing
-	@tools/setup/install
-	@mkdir -p $(BUILD) && touch $(BUILD)/setup.stamp
-
-clean: ## delete build/
-	rm -rf $(BUILD)
-
-$(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
-	@tools/setup/install
-	@mkdir -p $(BUILD) && touch $@
 
 # ---- build -------------------------------------------------------------------------------------
 # objects(tree, sources)
@@ -168,10 +188,13 @@ SYSTEM_OBJ := $(call objects,$(OUT_TESTED),$(SYSTEM_SRC))
 FUZZ_LIB_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_LIB_SRC))
 FUZZ_TOOL_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_TOOL_SRC))
 BENCH_OBJ := $(call objects,$(OUT),$(BENCH_SRC))
+EMULATOR_OBJ := $(call objects,$(OUT),$(EMULATOR_SRC))
+# What replays and recordings need in both test programs.
+SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(ALL_SYSTEMS)))
 
 $(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
-$(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ): \
-  KIND := $(TOOLS)
+$(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
+  $(EMULATOR_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
 $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
 
 # An object appears whole or not at all ($$$$ is the shell's pid): two makes may share one build/.
@@ -223,10 +246,14 @@ $(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)
 	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))
 $(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
 	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,-lyaml-cpp)
+$(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
+	$(call link,$(RELEASE),$(LIBS_TEST))
 $(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_BENCH))
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
 -include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_SAN) $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) \
-  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ))
+  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(EMULATOR_OBJ))
 endif
+
+endif  # BOARD

@@ -10,12 +10,14 @@ void Scheduler::run(int core) {
     machine_.relax();
     forget_idle(core);  // another core may have left something
   }
+  say_alive(nullptr);
 }
 
 void Scheduler::run_until_idle() {
   forget_idle(kAllCores);
   while (!stopped_.load(std::memory_order_relaxed) && run_first_due(kAllCores, Mode::kLockstep)) {
   }
+  say_alive(nullptr);
 }
 
 void Scheduler::trigger(size_t task) {
@@ -74,6 +76,7 @@ bool Scheduler::period_has_come(size_t i, TimeNs now) {
 Step Scheduler::execute(size_t i, TimeNs begin) {
   const Task& task = tasks_[i];
   TaskCounters& counters = states_[i].counters;
+  say_alive(task.name);
   const Step step = task.step(task.context, begin);
   const TimeNs used = machine_.now() - begin;
   ++counters.runs;

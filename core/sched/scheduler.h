@@ -69,6 +69,8 @@ constexpr uint32_t longest_budget_us(const Task (&tasks)[N], int core = kAllCore
 struct Machine {
   TimeNs (*now)();
   void (*relax)();  // called when nothing is due
+  // Called with the task's name before each step, with nullptr when the core leaves the schedule.
+  void (*alive)(const char* task) = nullptr;
 };
 
 struct TaskCounters {
@@ -120,6 +122,9 @@ class Scheduler {
   bool period_has_come(size_t i, TimeNs now);
   Step execute(size_t i, TimeNs begin);
   void forget_idle(int core);
+  void say_alive(const char* task) {
+    if (machine_.alive != nullptr) machine_.alive(task);
+  }
 
   const Task* tasks_;
   size_t count_;

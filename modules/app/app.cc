@@ -6,6 +6,7 @@
 
 #include "bsp/api/clock.h"
 #include "bsp/api/cores.h"
+#include "bsp/api/watchdog.h"
 #include "core/trace/trace.h"
 
 namespace pirvs {
@@ -96,7 +97,8 @@ void App::begin_frame(const DoorFrame& frame) {
 bool App::world_waits(TimeNs t) const {
   if (pace_ == Pace::kSensors) return false;
   if (mapper_.finished() == tracker_.sent()) return false;
-  return plan_.cores == 1 || t - mapping_pending_t_ > kMappingLag_ns;
+  const bool lockstep = plan_.cores == 1 || pace_ == Pace::kLockstep;
+  return lockstep || t - mapping_pending_t_ > kMappingLag_ns;
 }
 
 Step App::door_step() {
@@ -205,10 +207,10 @@ Status App::run(const CorePlan& plan, Pace pace) {
       {"mapping", [](void* a, TimeNs) { return static_cast<App*>(a)->mapping_step(); }, this, 0,
        2'000, plan.mapping},
   };
-  Scheduler scheduler(tasks, {bsp::now, bsp::relax});
+  Scheduler scheduler(tasks, {bsp::now, bsp::relax, bsp::watchdog_kick});
   scheduler_ = &scheduler;
   PIRVS_TRY(start_recorder());
-  if (plan.cores == 1 && pace == Pace::kAsWeGo) {
+  if (plan.cores == 1 && pace != Pace::kSensors) {
     scheduler.run_until_idle();
   } else {
     struct Core {

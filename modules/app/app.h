@@ -70,8 +70,10 @@ struct CorePlan {
   uint8_t door = 0, left = 0, right = 0, tracking = 0, mapping = 0;
 };
 
-// How fast the recording may come. Live sensors and real-time replay never wait for us.
-enum class Pace : uint8_t { kSensors, kAsWeGo };
+// How fast the recording may come. Live sensors and real-time replay never wait for us. kLockstep:
+// the next sample comes when nothing is left to do on any core, so that any plan gives the bytes
+// that one core gives.
+enum class Pace : uint8_t { kSensors, kAsWeGo, kLockstep };
 
 class App {
  public:
@@ -81,8 +83,7 @@ class App {
   // as an ASL folder, from a core of its own, the first that the plan leaves free. kBusFault,
   // kFull, kNotFound: the storage refuses.
   Status record();
-  // Runs until the sensors end. kAsWeGo on one core is lockstep: the next sample comes when nothing
-  // is left to do, so that the same input gives the same bytes; on several, mapping may lag by at
+  // Runs until the sensors end. kAsWeGo on one core is lockstep; on several, mapping may lag by at
   // most kMappingLag_ns of sensor time.
   Status run(const CorePlan& plan, Pace pace);
 

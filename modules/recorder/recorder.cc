@@ -13,7 +13,7 @@ constexpr const char* kCameraYaml[] = {"mav0/cam0/sensor.yaml", "mav0/cam1/senso
 constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
 static_assert(std::size(kCameraTable) == kCamerasMax);
 
-constexpr size_t kRow = 8 * Text::kNumber;  // the longest row of a table
+constexpr size_t kRow = 8 * TableText::kNumber;  // the longest row of a table
 
 }  // namespace
 
@@ -52,7 +52,7 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
   return Status::kOk;
 }
 
-Status Recorder::write_text(const char* name, const Text& text) {
+Status Recorder::write_text(const char* name, const TableText& text) {
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
   const Status written = bsp::storage_write(file.value(), text.data(), text.size());
@@ -61,7 +61,7 @@ Status Recorder::write_text(const char* name, const Text& text) {
 }
 
 Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
-  Text text;
+  TableText text;
   text.add("sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
   for (int i = 0; i < 3; ++i) {
     for (int j = 0; j < 3; ++j) text.add(camera.T_BC.R(i, j)).add(", ");
@@ -79,7 +79,7 @@ Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
 }
 
 Status Recorder::write_imu_yaml(const ImuNoise& noise) {
-  Text text;
+  TableText text;
   text.add("sensor_type: imu\nrate_hz: ").add(noise.rate_hz);
   text.add("\ngyroscope_noise_density: ").add(noise.gyro_noise);
   text.add("\ngyroscope_random_walk: ").add(noise.gyro_walk);
@@ -150,7 +150,7 @@ Status Recorder::write_sample(const ImuSample& sample) {
 Status Recorder::write_image(const Frame& frame, int c, const char* name) {
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
-  Text head;
+  TableText head;
   head.add("P5\n").add(int64_t{frame.width[c]}).add(" ").add(int64_t{frame.height[c]});
   head.add("\n255\n");
   const size_t size = static_cast<size_t>(frame.width[c]) * static_cast<size_t>(frame.height[c]);
@@ -163,12 +163,12 @@ Status Recorder::write_image(const Frame& frame, int c, const char* name) {
 Status Recorder::write_camera(const Frame& frame, int c) {
   if (failed_) return Status::kFull;
   const TimeNs t = frame.t[c];
-  Text file;
+  TableText file;
   file.add(int64_t{t});
   if (t <= last_t_[c]) file.add("_").add(int64_t{++repeated_names_});  // never over an older one
   last_t_[c] = t > last_t_[c] ? t : last_t_[c];
   file.add(".pgm");
-  Text path;
+  TableText path;
   path.add(kCameraImages[c]).add(file.c_str());
   PIRVS_TRY(write_image(frame, c, path.c_str()));
   camera_[c].block.add(int64_t{t}).add(",").add(file.c_str()).add("\n");

@@ -21,7 +21,7 @@
 #include "core/sched/scheduler.h"
 #include "core/store/ring.h"
 #include "modules/imu/imu_noise.h"
-#include "modules/recorder/text.h"
+#include "modules/recorder/table_text.h"
 
 namespace pirvs {
 
@@ -59,7 +59,7 @@ class Recorder {
   struct Table {
     bsp::File file;
     bool open = false;
-    Text block;
+    TableText block;
   };
 
   static constexpr size_t kImuRing = 1024;  // 5 s at 200 Hz
@@ -69,7 +69,7 @@ class Recorder {
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
   Status write_imu_yaml(const ImuNoise& noise);
-  Status write_text(const char* name, const Text& text);
+  Status write_text(const char* name, const TableText& text);
   Status write_image(const Frame& frame, int c, const char* name);
   Status write_row(Table& table);
   Status write_sample(const ImuSample& sample);

@@ -11,6 +11,7 @@ ALLOWED = {
     "bsp": ["bsp/api/", "core/"],
     # A chip: the rows of register.h, and for its emulator the emulated bus.
     "bsp/drivers": ["bsp/api/", "bsp/drivers/", "core/"],
+    "bsp/bare": ["bsp/api/", "bsp/drivers/", "core/"],
     "core": ["core/"],
     "modules": ["core/", "modules/"],
     # Edge modules: data of the machine enters or leaves here.

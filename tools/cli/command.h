@@ -23,6 +23,7 @@ struct Command {
 // One per command, defined beside its code; main.cc lists them in the order of the help.
 extern const Command kRunCommand;
 extern const Command kEvalCommand;
+extern const Command kPackCommand;
 extern const Command kSimCommand;
 extern const Command kParamsCommand;
 

@@ -11,7 +11,8 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kRunCommand, &kEvalCommand, &kSimCommand, &kParamsCommand};
+const Command* const kCommands[] = {&kRunCommand, &kEvalCommand, &kSimCommand, &kPackCommand,
+                                    &kParamsCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

@@ -68,7 +68,7 @@ Player::Player(const Recording& recording) : recording_(recording), slots_(kFram
       slot.pixels[c].resize(size_t(camera.width) * size_t(camera.height));
     }
   }
-  check_first_images();
+  if (recording.pack == nullptr) check_first_images();
   decoder_ = std::thread([this] { decode_all(); });
 }
 
@@ -147,6 +147,10 @@ void Player::decode_frame(const FrameFiles& files, Slot& slot) {
   slot.frame = StereoFrame{};
   slot.frame.t = files.t;
   for (int c = 0; c < recording_.calibration.cameras; ++c) {
+    if (files.pixels[c].data != nullptr) {
+      slot.frame.image[c] = files.pixels[c];
+      slot.frame.present |= uint8_t(1u << c);
+    }
     if (files.image[c].empty()) continue;
     const Read result = decode_image(files.image[c], c, slot.pixels[c]);
     if (result == Read::kGood) {

@@ -7,6 +7,7 @@
 #include "modules/app/calibration_check.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/pack_file.h"
 #include "tools/dataset/text_table.h"
 
 namespace pirvs::tools {
@@ -142,8 +143,17 @@ double Recording::duration_s() const {
 }
 
 Recording open_recording(const std::string& folder, const RecordingOptions& options) {
+  if (fs::is_regular_file(folder)) {
+    if (!options.calibration.empty()) {
+      throw InputError("a packed recording has its own calibration", folder, "leave out --calib");
+    }
+    Recording recording = open_pack(folder);
+    cut(options, recording);
+    check_overlap(recording);
+    return recording;
+  }
   if (!fs::is_directory(folder)) {
-    throw InputError("no such recording", folder, "give an ASL/EuRoC folder");
+    throw InputError("no such recording", folder, "give an ASL/EuRoC folder or a packed file");
   }
   const std::string mav0 = fs::is_directory(folder + "/mav0") ? folder + "/mav0" : folder;
   if (!fs::is_directory(mav0 + "/cam0")) {

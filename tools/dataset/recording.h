@@ -1,5 +1,5 @@
 // What    What a recorded folder holds: calibration, frames (file names), IMU samples, ground
-// truth. In      An ASL/EuRoC folder, or its mav0. cam0, imu0 are needed; cam1 and
+// truth. In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are needed; cam1 and
 //         state_groundtruth_estimate0 (or groundtruth.tum) are used if they are there.
 // Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
@@ -10,10 +10,12 @@
 // Cost    ~30 ms for a minute of EuRoC; images are opened by the player, not here.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "bsp/api/imu.h"
+#include "core/kernels/image.h"
 #include "modules/app/calibration.h"
 #include "tools/dataset/trajectory.h"
 
@@ -22,6 +24,7 @@ namespace pirvs::tools {
 struct FrameFiles {
   TimeNs t = 0;
   std::string image[2];  // empty: that camera has no image at t
+  ImageView pixels[2];   // of a packed recording, which has no image files
 };
 
 struct Count {
@@ -43,6 +46,7 @@ struct Recording {
   std::vector<ImuSample> imu;
   Trajectory truth;  // no poses: the recording has none
   std::vector<Count> rejected;
+  std::shared_ptr<const void> pack;  // the memory that FrameFiles::pixels point into
 
   double duration_s() const;
 };

@@ -1,7 +1,6 @@
-// Text in memory of a fixed size, without the C library: numbers as every reader of text gets them
-// back exactly.
-// In      Words, integers, doubles.
-// Out     view(), size(). A double comes out short where ten decimals say it exactly, otherwise
+// TableText of tables in memory of a fixed size, without the C library: numbers as every reader of
+// text gets them back exactly. In      Words, integers, doubles. Out     view(), size(). A double
+// comes out short where ten decimals say it exactly, otherwise
 //         with 18 digits; "nan", "inf".
 // Frames  none.
 // Errors  What does not fit is a bug and asserts: the caller keeps room().
@@ -14,14 +13,14 @@
 
 namespace pirvs {
 
-class Text {
+class TableText {
  public:
   static constexpr size_t kSize = 4096;
   static constexpr size_t kNumber = 32;  // the most that one number takes
 
-  Text& add(const char* words);
-  Text& add(int64_t value);
-  Text& add(double value);
+  TableText& add(const char* words);
+  TableText& add(int64_t value);
+  TableText& add(double value);
   void clear() { size_ = 0; }
 
   const char* data() const { return text_; }

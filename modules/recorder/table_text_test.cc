@@ -1,4 +1,4 @@
-#include "modules/recorder/text.h"
+#include "modules/recorder/table_text.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ namespace pirvs {
 namespace {
 
 std::string text_of(double value) {
-  Text text;
+  TableText text;
   text.add(value);
   return {text.data(), text.size()};
 }
@@ -54,9 +54,9 @@ TEST(recorder_text, every_double_reads_back_to_the_bit) {
 
 TEST(recorder_text, a_number_keeps_within_its_room) {
   for (const double value : {-DBL_MAX, -DBL_TRUE_MIN, -1.0 / 3, -899999.1234567891}) {
-    EXPECT_LE(text_of(value).size(), Text::kNumber);
+    EXPECT_LE(text_of(value).size(), TableText::kNumber);
   }
-  Text text;
+  TableText text;
   text.add(int64_t{INT64_MIN}).add(",").add(int64_t{INT64_MAX});
   EXPECT_EQ(std::string(text.data(), text.size()), "-9223372036854775808,9223372036854775807");
 }

@@ -1,4 +1,4 @@
-#include "modules/recorder/text.h"
+#include "modules/recorder/table_text.h"
 
 #include <cstring>
 
@@ -53,22 +53,22 @@ class Big {
 
 }  // namespace
 
-void Text::put(char c) {
+void TableText::put(char c) {
   PIRVS_ASSERT(size_ < kSize);
   text_[size_++] = c;
 }
 
-const char* Text::c_str() {
+const char* TableText::c_str() {
   text_[size_] = '\0';
   return text_;
 }
 
-Text& Text::add(const char* words) {
+TableText& TableText::add(const char* words) {
   for (; *words != '\0'; ++words) put(*words);
   return *this;
 }
 
-void Text::add_digits(uint64_t value) {
+void TableText::add_digits(uint64_t value) {
   char digits[20];
   int n = 0;
   do {
@@ -78,13 +78,13 @@ void Text::add_digits(uint64_t value) {
   while (n > 0) put(digits[--n]);
 }
 
-Text& Text::add(int64_t value) {
+TableText& TableText::add(int64_t value) {
   if (value < 0) put('-');
   add_digits(value < 0 ? 0 - static_cast<uint64_t>(value) : static_cast<uint64_t>(value));
   return *this;
 }
 
-Text& Text::add(double value) {
+TableText& TableText::add(double value) {
   if (value != value) return add("nan");
   uint64_t bits;
   std::memcpy(&bits, &value, sizeof bits);
@@ -99,7 +99,7 @@ Text& Text::add(double value) {
 
 // Division rounds correctly, so that i / 1e10 == value says that the reader of the decimal i *
 // 1e-10 gets value, bit for bit.
-bool Text::add_short(double value) {
+bool TableText::add_short(double value) {
   if (value > kShort_max) return false;
   const auto scaled = static_cast<uint64_t>(value * kDecimalUnit + 0.5);
   if (static_cast<double>(scaled) / kDecimalUnit != value) return false;
@@ -120,7 +120,7 @@ bool Text::add_short(double value) {
 }
 
 // value = numerator / denominator = d.ddd... * 10^exponent, digit by digit.
-void Text::add_long(double value) {
+void TableText::add_long(double value) {
   uint64_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   const int biased = static_cast<int>(bits >> 52 & 0x7ff);

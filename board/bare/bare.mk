@@ -1,0 +1,65 @@
+# Boards without an operating system: cross-built, one linker script each, no C library but its
+# memcpy and the like. Included by board/<name>/board.mk.
+#
+#   library   *.cc and *.S below core, modules, bsp/bare, bsp/drivers, bsp/replay, board/bare,
+#             board/$(BOARD); no tests, no emulated chips
+CXX_AARCH64 ?= aarch64-linux-gnu-g++
+BINUTILS := aarch64-linux-gnu-
+PICOLIBC := /usr/lib/picolibc/aarch64-linux-gnu/lib
+LINKER_SCRIPT := linker/$(BOARD).ld
+
+BARE_FOLDERS := core modules bsp/bare bsp/drivers bsp/replay board/bare board/$(BOARD)
+HOST_ONLY := %_test.cc %_bench.cc %_emulator.cc bsp/drivers/emulated/%
+BARE_SRC := $(filter-out $(HOST_ONLY),$(call find_cc,$(BARE_FOLDERS))) \
+  $(sort $(shell find $(BARE_FOLDERS) -name '*.S'))
+BARE_OBJ := $(patsubst %,$(OUT)/obj/%.o,$(basename $(BARE_SRC)))
+
+# One code for both kinds of core of an RK3399. Frame pointers are what a fault report follows.
+BARE := -mcpu=cortex-a72 -mno-outline-atomics -fno-omit-frame-pointer -fno-stack-protector \
+  -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections -fno-pic -fno-pie
+BARE_LINK := -nostdlib -nostartfiles -static -no-pie -T $(LINKER_SCRIPT) -L. \
+  -Wl,--gc-sections,--build-id=none,-z,max-page-size=4096,--no-warn-rwx-segments,--fatal-warnings
+
+all: $(OUT)/pirvs.elf $(OUT)/pirvs.bin ## build the image: pirvs.elf with names, pirvs.bin to load
+
+size: $(OUT)/pirvs.elf ## code, constants, stacks, pools of the image
+	@tools/size/size $<
+
+# The packed recording lies beside the results: build/run-BOARD.
+RUN := $(BUILD)/run-$(BOARD)
+SIM := $(BUILD)/run/sim
+SEQ ?= $(SIM)
+DURATION ?= 5
+run: $(OUT)/pirvs.bin ## SLAM in the emulator, on a simulated recording or SEQ=path
+	@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+	@mkdir -p $(RUN)
+	@tools/emulator/compare --image $(OUT)/pirvs.bin --pirvs $(BUILD)/host/pirvs --out $(RUN) \
+	  --duration $(DURATION) $(SEQ) $(ARGS)
+
+# ---- build -------------------------------------------------------------------------------------
+define compile_bare
+@mkdir -p $(@D)
+@echo "c++ $< ($(BOARD))"
+@trap 'rm -f $@.$$$$' EXIT; \
+  $(CXX_AARCH64) $(COMMON) $(RELEASE) $(BARE) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
+  -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
+endef
+$(OUT)/obj/%.o: %.cc Makefile board/bare/bare.mk | $(BUILD)/setup.stamp
+	$(compile_bare)
+$(OUT)/obj/%.o: %.S Makefile board/bare/bare.mk | $(BUILD)/setup.stamp
+	$(compile_bare)
+
+$(OUT)/sources.list: FORCE
+	@mkdir -p $(@D)
+	@echo "$(BARE_SRC)" | cmp -s - $@ || echo "$(BARE_SRC)" > $@
+
+$(OUT)/pirvs.elf: $(BARE_OBJ) $(OUT)/sources.list $(LINKER_SCRIPT) linker/bare.ld
+	@echo "link $@"
+	@$(CXX_AARCH64) $(BARE_LINK) $(BARE_OBJ) -L$(PICOLIBC) -Wl,--start-group -lc -lgcc \
+	  -Wl,--end-group -Wl,-Map,$(OUT)/pirvs.map -o $@.$$$$ && mv $@.$$$$ $@
+$(OUT)/pirvs.bin: $(OUT)/pirvs.elf
+	@$(BINUTILS)objcopy -O binary $< $@
+
+ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
+-include $(BARE_OBJ:.o=.d)
+endif

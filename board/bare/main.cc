@@ -1,0 +1,247 @@
+// The whole stack on a recording that the loader has put in RAM.
+// In      The recording (bsp/replay/pack.h) and the words of the command line:
+//           cores=N         how many cores (default: all of the board)
+//           pace=free       mapping may lag, as on a device; default: lockstep, the same bytes as
+//                           on one core
+//           semihosting     somebody keeps our files and wants an exit code
+//           fault=KIND      null, stack, hang or assert: do that at a frame, to see the report
+//           fault_at=N      at which (default 20); fault_core=N on that core, one at rest
+// Out     Every pose on the console, "pose" and a line of TUM; trajectory.tum and timing.csv where
+//         there are files; at the end counters, stacks and instructions.
+// Errors  Exit code as pirvs run: 0 done, 1 tracking failed or was lost at the end, 2 bad input;
+//         and 3, safe state after a fault.
+#include <cstring>
+
+#include "board/bare/board.h"
+#include "board/bare/fault_injection.h"
+#include "bsp/api/clock.h"
+#include "bsp/api/console.h"
+#include "bsp/api/cycles.h"
+#include "bsp/api/storage.h"
+#include "bsp/bare/boot.h"
+#include "bsp/bare/machine.h"
+#include "bsp/bare/stacks.h"
+#include "bsp/replay/pack.h"
+#include "core/base/text.h"
+#include "core/math/so3.h"
+
+namespace pirvs::board {
+namespace {
+
+constexpr int kExitDone = 0;
+constexpr int kExitFailed = 1;
+constexpr int kExitBadInput = 2;
+constexpr int kCountersMax = 128;
+constexpr int kMicros = 6;  // decimals of a second
+
+App app;  // in the pools' memory, see linker/bare.ld
+
+struct Run {
+  bsp::Pack pack;
+  bsp::File trajectory, timing;
+  bool has_files = false;
+  bool write_failed = false;
+  uint32_t frames = 0, poses = 0;
+  HealthState health = HealthState::kInitializing;
+  FaultInjection fault;
+
+  void write(bsp::File file, const TextWriter& line) {
+    if (!has_files) return;
+    if (bsp::storage_write(file, line.c_str(), line.size()) != Status::kOk) write_failed = true;
+  }
+};
+Run run;
+
+void say(TextWriter& line) {
+  line.put('\n');
+  bsp::console_write(line.c_str());
+  line.clear();
+}
+
+void put_tum(TextWriter& out, const FrameReport& report) {
+  constexpr TimeNs kSecond = 1'000'000'000;
+  constexpr int kDecimals = 9;
+  const SE3& T_WB = report.pose.state.T_WB;
+  const Vec4 q_WB = quat_xyzw(T_WB.R);
+  out.number(report.t / kSecond).put('.');
+  out.unsigned_number(static_cast<uint64_t>(report.t % kSecond), kDecimals);
+  for (int i = 0; i < 3; ++i) out.put(' ').fixed(T_WB.p(i), kDecimals);
+  for (int i = 0; i < 4; ++i) out.put(' ').fixed(q_WB(i), kDecimals);
+  out.put('\n');
+}
+
+void on_frame(void*, const FrameReport& report) {
+  Text<256> line;
+  if (report.has_pose) {
+    put_tum(line, report);
+    bsp::console_write("pose ");
+    bsp::console_write(line.c_str());
+    run.write(run.trajectory, line);
+    ++run.poses;
+  }
+  line.clear();
+  line.number(report.t);
+  for (const float ms : {report.image_ms, report.matching_ms, report.tracking_ms,
+                         report.mapping_ms, report.end_to_end_ms}) {
+    line.put(',').fixed(static_cast<double>(ms), 4);
+  }
+  line.put('\n');
+  run.write(run.timing, line);
+  run.health = report.pose.health;
+  ++run.frames;
+  run.fault.on_frame(run.frames);
+}
+
+void on_health(void*, TimeNs t, HealthState state, const char* what) {
+  Text<128> line;
+  line.put("health ").fixed(to_seconds(t), kMicros).put(' ').put(name(state)).put(", ").put(what);
+  say(line);
+}
+
+Calibration calibration_of(const bsp::Pack& pack) {
+  const bsp::PackHeader& header = pack.header();
+  Calibration out;
+  for (int c = 0; c < kCamerasMax; ++c) out.camera[c] = pack.camera(c);
+  out.imu = {header.gyro_noise, header.gyro_walk, header.accel_noise, header.accel_walk,
+             header.rate_hz};
+  out.camera_time_offset = header.camera_time_offset;
+  return out;
+}
+
+// Small decimal numbers of the command line; fallback if the word is missing or no number.
+int number_argument(const char* word, int fallback) {
+  char text[16];
+  if (!bsp::boot_argument(word, text, sizeof text) || text[0] == 0) return fallback;
+  int value = 0;
+  for (const char* c = text; *c != 0; ++c) {
+    if (*c < '0' || *c > '9' || value > 99'999) return fallback;
+    value = 10 * value + (*c - '0');
+  }
+  return value;
+}
+
+Status open_recording() {
+  const bsp::Memory memory = bsp::boot_recording();
+  Text<160> line;
+  line.put("recording ").hex(reinterpret_cast<uint64_t>(memory.data)).put(", ");
+  line.unsigned_number(memory.size).put(" bytes");
+  const Status status = run.pack.open(memory.data, memory.size);
+  if (status == Status::kOk) {
+    line.put(", ").unsigned_number(run.pack.header().frame_count).put(" frames, ");
+    line.unsigned_number(run.pack.header().imu_count).put(" IMU samples");
+    for (int c = 0; c < kCamerasMax; ++c) {
+      const Camera camera = run.pack.camera(c);
+      if (camera.width > kImageWidthMax || camera.height > kImageHeightMax) {
+        line.put(": images larger than this image was built for");
+        say(line);
+        return Status::kBadData;
+      }
+    }
+  } else {
+    line.put(": ").put(name(status));
+  }
+  say(line);
+  return status;
+}
+
+Status open_files() {
+  if (!bsp::boot_argument("semihosting")) return Status::kOk;
+  const Result<bsp::File> trajectory = bsp::storage_open("trajectory.tum");
+  if (!trajectory.ok()) return trajectory.status();
+  const Result<bsp::File> timing = bsp::storage_open("timing.csv");
+  if (!timing.ok()) return timing.status();
+  run.trajectory = trajectory.value();
+  run.timing = timing.value();
+  run.has_files = true;
+  Text<96> head;
+  head.put("t_ns,image_ms,matching_ms,tracking_ms,mapping_ms,end_to_end_ms\n");
+  run.write(run.timing, head);
+  return Status::kOk;
+}
+
+void close_files() {
+  if (!run.has_files) return;
+  for (const bsp::File file : {run.trajectory, run.timing}) {
+    if (bsp::storage_close(file) != Status::kOk) run.write_failed = true;
+  }
+}
+
+void say_counters() {
+  NamedValue values[kCountersMax];
+  Text<128> line;
+  const int count = app.counters(values, kCountersMax);
+  for (int i = 0; i < count; ++i) {
+    if (values[i].value == 0) continue;
+    line.put("counter ").put(values[i].name).put(' ').unsigned_number(values[i].value);
+    say(line);
+  }
+}
+
+void say_end(const CorePlan& plan, const bsp::Cycles& spent, TimeNs duration) {
+  Text<192> line;
+  for (int core = 0; core < plan.cores; ++core) {
+    line.put("stack of core ").number(core).put(": ").unsigned_number(bsp::stack_used(core));
+    line.put(" of ").unsigned_number(bsp::stack_of(core).size()).put(" bytes used");
+    say(line);
+  }
+  line.put("run: ").unsigned_number(spent.cycles);
+  line.put(bsp::cycles_are_real() ? " cycles of the processor, "
+                                  : " emulated cycles (one an instruction, all cores), ");
+  line.unsigned_number(spent.instructions).put(" instructions, ");
+  line.fixed(to_seconds(duration), kMicros).put(" s");
+  say(line);
+  line.unsigned_number(run.frames).put(" frames, ").unsigned_number(run.poses).put(" poses, ");
+  line.put(name(run.health)).put(" at the end");
+  say(line);
+}
+
+}  // namespace
+}  // namespace pirvs::board
+
+namespace pirvs {
+
+using namespace board;
+
+int application() {
+  Text<128> line;
+  line.put("\nPIRVS on ").put(bsp::kMachine.name).put(", ").number(kCores).put(" cores");
+  say(line);
+  if (!run.fault.configure()) {
+    bsp::console_write("fault=: null, stack, hang or assert\n");
+    return kExitBadInput;
+  }
+  if (open_recording() != Status::kOk) return kExitBadInput;
+  const int cores = number_argument("cores", kCores);
+  if (cores < 1 || cores > kCores) {
+    line.put("cores=: 1 to ").number(kCores);
+    say(line);
+    return kExitBadInput;
+  }
+  if (const Status status = open_files(); status != Status::kOk) {
+    line.put("no file for the trajectory: ").put(name(status));
+    say(line);
+    return kExitBadInput;
+  }
+  char pace_text[8] = "";
+  const bool free = bsp::boot_argument("pace", pace_text, sizeof pace_text) &&
+                    std::strcmp(pace_text, "free") == 0;
+  bsp::replay_start(run.pack.source(), bsp::ReplayPace::kFast);
+  AppSinks sinks;
+  sinks.frame = on_frame;
+  sinks.health = on_health;
+  app.configure(calibration_of(run.pack), AppParams{}, sinks);
+  const bsp::Cycles before = bsp::read_cycles();
+  const TimeNs begin = bsp::now();
+  const Status status = app.run(kPlans[cores - 1], free ? Pace::kAsWeGo : Pace::kLockstep);
+  const bsp::Cycles after = bsp::read_cycles();
+  const TimeNs end = bsp::now();
+  close_files();
+  say_counters();
+  say_end(kPlans[cores - 1],
+          {after.cycles - before.cycles, after.instructions - before.instructions}, end - begin);
+  if (run.write_failed) bsp::console_write("the trajectory could not be written\n");
+  const bool whole = run.frames > 0 && run.health != HealthState::kLost;
+  return status == Status::kOk && whole && !run.write_failed ? kExitDone : kExitFailed;
+}
+
+}  // namespace pirvs

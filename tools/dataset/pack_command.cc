@@ -1,0 +1,44 @@
+// `pirvs pack SEQ --out FILE`: a recording as one file, for boards that find it in their RAM.
+#include <cstdio>
+#include <memory>
+
+#include "tools/cli/command.h"
+#include "tools/cli/progress.h"
+#include "tools/dataset/pack_file.h"
+
+namespace pirvs::tools {
+namespace {
+
+struct Options {
+  std::string sequence;
+  std::string out;
+  RecordingOptions recording;
+};
+
+std::function<int()> declare(CLI::App& app) {
+  const auto o = std::make_shared<Options>();
+  app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
+  app.add_option("--out", o->out, "the file to write")->required();
+  app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
+  app.add_option("--start", o->recording.start_s, "skip this many seconds")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
+      ->check(CLI::NonNegativeNumber);
+  return [o] {
+    const Recording recording = open_recording(o->sequence, o->recording);
+    Progress progress("packing", recording.frames.size());
+    const size_t bytes = write_pack(recording, o->out,
+                                    [&](size_t done, size_t) { progress.update(done); });
+    std::printf("%s: %zu frames, %zu IMU samples, %.1f s, %.1f MB\n", o->out.c_str(),
+                recording.frames.size(), recording.imu.size(), recording.duration_s(),
+                double(bytes) * 1e-6);
+    return kExitDone;
+  };
+}
+
+}  // namespace
+
+const Command kPackCommand = {"pack", "Pack a recording into one file, for boards without files",
+                              declare};
+
+}  // namespace pirvs::tools

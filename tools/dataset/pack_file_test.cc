@@ -1,0 +1,160 @@
+#include "tools/dataset/pack_file.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <fstream>
+#include <sstream>
+
+#include "bsp/replay/pack.h"
+#include "tools/dataset/input_error.h"
+#include "tools/dataset/player.h"
+#include "tools/dataset/test_recording.h"
+
+namespace pirvs::tools {
+namespace {
+
+std::string read(const std::string& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
+
+void write(const std::string& path, const std::string& bytes) {
+  std::ofstream(path, std::ios::binary) << bytes;
+}
+
+struct Packed {
+  TestRecording folder;
+  std::string path = folder.path("recording.pack");
+
+  size_t pack() { return write_pack(open_recording(folder.folder(), {}), path, [](size_t, size_t) {}); }
+  std::string error_of(const std::string& bytes) const {
+    write(path, bytes);
+    try {
+      open_recording(path, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "no error";
+  }
+};
+
+void expect_equal(const Camera& a, const Camera& b) {
+  EXPECT_EQ(a.model, b.model);
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.fx, b.fx);
+  EXPECT_EQ(a.fy, b.fy);
+  EXPECT_EQ(a.cx, b.cx);
+  EXPECT_EQ(a.cy, b.cy);
+  for (int i = 0; i < 4; ++i) EXPECT_EQ(a.d[i], b.d[i]);
+  EXPECT_EQ(a.T_BC.R, b.T_BC.R);
+  EXPECT_EQ(a.T_BC.p, b.T_BC.p);
+}
+
+TEST(pack, plays_what_the_folder_plays) {
+  Packed packed;
+  std::filesystem::remove(packed.folder.image(1, 3));  // a frame without its right image
+  EXPECT_EQ(packed.pack(), std::filesystem::file_size(packed.path));
+  const Recording folder = open_recording(packed.folder.folder(), {});
+  const Recording pack = open_recording(packed.path, {});
+  for (int c = 0; c < 2; ++c) expect_equal(folder.calibration.camera[c], pack.calibration.camera[c]);
+  EXPECT_EQ(folder.calibration.imu.gyro_noise, pack.calibration.imu.gyro_noise);
+  EXPECT_EQ(folder.calibration.imu.accel_walk, pack.calibration.imu.accel_walk);
+  EXPECT_EQ(folder.calibration.camera_time_offset, pack.calibration.camera_time_offset);
+  ASSERT_EQ(folder.imu.size(), pack.imu.size());
+  for (size_t i = 0; i < pack.imu.size(); ++i) {
+    EXPECT_EQ(folder.imu[i].t, pack.imu[i].t);
+    EXPECT_EQ(folder.imu[i].w_B, pack.imu[i].w_B);
+    EXPECT_EQ(folder.imu[i].f_B, pack.imu[i].f_B);
+  }
+  Player folder_player(folder), pack_player(pack);
+  int frames = 0;
+  for (const StereoFrame* a = folder_player.front(); a != nullptr; a = folder_player.front()) {
+    const StereoFrame* const b = pack_player.front();
+    ASSERT_NE(b, nullptr);
+    EXPECT_EQ(a->t, b->t);
+    EXPECT_EQ(a->present, b->present);
+    EXPECT_EQ(a->present, frames == 3 ? 1 : 3);
+    for (int c = 0; c < 2; ++c) {
+      for (int y = 0; y < a->image[c].height; ++y) {
+        EXPECT_EQ(std::memcmp(a->image[c].row(y), b->image[c].row(y), size_t(a->image[c].width)), 0);
+      }
+    }
+    folder_player.pop();
+    pack_player.pop();
+    ++frames;
+  }
+  EXPECT_EQ(frames, TestRecording::kFrames);
+  EXPECT_EQ(pack_player.front(), nullptr);
+}
+
+TEST(pack, a_part_of_a_pack_can_be_played) {
+  Packed packed;
+  packed.pack();
+  RecordingOptions options;
+  options.start_s = 0.1;
+  options.duration_s = 0.2;
+  EXPECT_EQ(open_recording(packed.path, options).frames.size(), 5u);
+}
+
+TEST(pack, refuses_what_is_cut_off_or_damaged) {
+  Packed packed;
+  packed.pack();
+  const std::string good = read(packed.path);
+  for (const double part : {0.1, 0.5, 0.99}) {
+    EXPECT_NE(packed.error_of(good.substr(0, size_t(part * double(good.size())))).find("cut off"),
+              std::string::npos);
+  }
+  // A bit flipped anywhere, from the calibration to the last pixel.
+  for (const size_t at : {size_t{64}, size_t{200}, size_t{500}, good.size() / 2, good.size() - 1}) {
+    std::string damaged = good;
+    damaged[at] = static_cast<char>(damaged[at] ^ 4);
+    EXPECT_NE(packed.error_of(damaged).find("damaged"), std::string::npos) << at;
+  }
+  EXPECT_NE(packed.error_of("").find("not a packed"), std::string::npos);
+  EXPECT_NE(packed.error_of(std::string(5000, 'x')).find("not a packed"), std::string::npos);
+  std::string version = good;
+  version[offsetof(bsp::PackHeader, version)] = 99;
+  EXPECT_NE(packed.error_of(version).find("another version"), std::string::npos);
+  EXPECT_EQ(packed.error_of(good), "no error");
+}
+
+// Counts and offsets that lead out of the block, under a checksum that is right.
+TEST(pack, refuses_offsets_beyond_its_end) {
+  Packed packed;
+  packed.pack();
+  const std::string good = read(packed.path);
+  const auto refused = [&](size_t at, uint64_t value, size_t size) {
+    alignas(bsp::kPackAlign) static char block[200'000];
+    ASSERT_LE(good.size(), sizeof block);
+    std::memcpy(block, good.data(), good.size());
+    std::memcpy(block + at, &value, size);
+    const uint64_t sum = bsp::pack_checksum(block, good.size());
+    std::memcpy(block + offsetof(bsp::PackHeader, checksum), &sum, sizeof sum);
+    bsp::Pack pack;
+    EXPECT_EQ(pack.open(block, good.size()), Status::kBadData) << at;
+  };
+  refused(offsetof(bsp::PackHeader, imu_count), 0xffffffff, 4);
+  refused(offsetof(bsp::PackHeader, frame_count), 0xffffffff, 4);
+  refused(offsetof(bsp::PackHeader, camera) + offsetof(bsp::PackedCamera, width), 0x7fffffff, 4);
+  refused(offsetof(bsp::PackHeader, camera) + offsetof(bsp::PackedCamera, height), 0, 4);
+  refused(offsetof(bsp::PackHeader, camera) + offsetof(bsp::PackedCamera, model), 7, 4);
+  const size_t frames =
+      sizeof(bsp::PackHeader) + TestRecording::kImuSamples * sizeof(bsp::PackedSample);
+  refused(frames + offsetof(bsp::PackedFrame, image), UINT64_MAX - 63, 8);
+  refused(frames + offsetof(bsp::PackedFrame, image), good.size() / 64 * 64, 8);
+  refused(frames + offsetof(bsp::PackedFrame, image), 65, 8);
+}
+
+TEST(pack, leaves_nothing_half_written) {
+  Packed packed;
+  const Recording recording = open_recording(packed.folder.folder(), {});
+  EXPECT_THROW(write_pack(recording, "/dev/full", [](size_t, size_t) {}), InputError);
+  EXPECT_THROW(write_pack(recording, packed.folder.folder() + "/no/such", [](size_t, size_t) {}),
+               InputError);
+}
+
+}  // namespace
+}  // namespace pirvs::tools
