@@ -57,6 +57,7 @@ void trace_places(void* context, void (*visit)(void*, const TracePlace&)) {
 
 TraceScope::TraceScope(TracePlace& place)
     : place_(place), clock_(trace_clock.load(std::memory_order_relaxed)) {
+  trace_mark_begin(place);
   if (clock_ == nullptr) return;
   list(place);
   begin_ = clock_();
@@ -64,6 +65,7 @@ TraceScope::TraceScope(TracePlace& place)
 
 TraceScope::~TraceScope() {
   if (clock_ != nullptr) record(place_, begin_, clock_());
+  trace_mark_end(place_);
 }
 
 }  // namespace pirvs

@@ -73,7 +73,10 @@ void App::interrupt(TimeNs t) {
 
 void App::deliver(const ImuSample& sample) {
   const TimeNs begin = bsp::cpu_time();
-  tracker_.add_imu(sample);
+  {
+    PIRVS_TRACE("imu");
+    tracker_.add_imu(sample);
+  }
   tracking_ns_ += bsp::cpu_time() - begin;
   if (tracker_.running() && sinks_.pose != nullptr) {
     sinks_.pose(sinks_.context, {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()});
@@ -142,7 +145,10 @@ Step App::tracking_step() {
   if (stage_.load(std::memory_order_acquire) != Stage::kTracking) return Step::kIdle;
   PIRVS_TRACE("tracking");
   const TimeNs begin = bsp::cpu_time();
-  tracker_.match(frontend_);
+  {
+    PIRVS_TRACE("matching");
+    tracker_.match(frontend_);
+  }
   const TimeNs matched = bsp::cpu_time();
   const FrameResult result = tracker_.frame(frame_.t, frame_.images.present, frontend_);
   tracking_ns_ += bsp::cpu_time() - matched;
