@@ -7,26 +7,31 @@
 namespace pirvs {
 namespace {
 
+// The compilers may not look through p. They would fold an entry's address into its load and its
+// store, which takes a Cortex-A72 one more operation each, and x86-64 none.
+inline uint32_t* hidden(uint32_t* p) {
+#if defined(__aarch64__)
+  asm("" : "+r"(p));
+#endif
+  return p;
+}
+
 // Four histograms: neighbouring pixels are often equal, and a count that was just stored would have
 // to be waited for. Scalar on every machine, as a histogram has no vector form.
 void count(const ImageView& in, uint32_t (&histogram)[256]) {
   uint32_t counts[4][256] = {};
+  uint32_t* const tables[4] = {hidden(counts[0]), hidden(counts[1]), hidden(counts[2]),
+                               hidden(counts[3])};
+  const int width = in.width;
   for (int y = 0; y < in.height; ++y) {
     const uint8_t* p = in.row(y);
     int x = 0;
-    for (; x + 8 <= in.width; x += 8) {
+    for (; x + 8 <= width; x += 8) {
       uint64_t bytes;
       std::memcpy(&bytes, p + x, 8);
-      ++counts[0][bytes & 255];
-      ++counts[1][bytes >> 8 & 255];
-      ++counts[2][bytes >> 16 & 255];
-      ++counts[3][bytes >> 24 & 255];
-      ++counts[0][bytes >> 32 & 255];
-      ++counts[1][bytes >> 40 & 255];
-      ++counts[2][bytes >> 48 & 255];
-      ++counts[3][bytes >> 56];
+      for (int i = 0; i < 8; ++i) ++*hidden(tables[i & 3] + (bytes >> (8 * i) & 255));
     }
-    for (; x < in.width; ++x) ++counts[x & 3][p[x]];
+    for (; x < width; ++x) ++counts[x & 3][p[x]];
   }
   for (int v = 0; v < 256; ++v)
     histogram[v] = counts[0][v] + counts[1][v] + counts[2][v] + counts[3][v];
