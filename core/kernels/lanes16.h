@@ -25,9 +25,10 @@ inline void store(int16_t* p, Int16x16 a) { _mm256_storeu_si256(reinterpret_cast
 inline Int16x16 add(Int16x16 a, Int16x16 b) { return _mm256_add_epi16(a, b); }
 inline Int16x16 subtract(Int16x16 a, Int16x16 b) { return _mm256_sub_epi16(a, b); }
 inline Int16x16 absolute(Int16x16 a) { return _mm256_abs_epi16(a); }
+// a / 2^kBits, rounded to nearest, ties up. a + 2^(kBits - 1) must fit.
 template <int kBits>
-Int16x16 shift_right(Int16x16 a) {
-  return _mm256_srai_epi16(a, kBits);
+Int16x16 shift_right_rounded(Int16x16 a) {
+  return _mm256_srai_epi16(add(a, fill(1 << (kBits - 1))), kBits);
 }
 
 // (2 a b + 2^15) >> 16, for a and b not both -32768.
@@ -46,6 +47,7 @@ class ProductSum {
   void add_products(Int16x16 a, Int16x16 b) {
     sums_ = _mm256_add_epi32(sums_, _mm256_madd_epi16(a, b));
   }
+  void add(Int16x16 a) { add_products(a, fill(1)); }
   int32_t total() const {
     return sum_lanes(simde_int32x4_from_m128i(
         _mm_add_epi32(_mm256_castsi256_si128(sums_), _mm256_extracti128_si256(sums_, 1))));
@@ -75,8 +77,13 @@ inline Int16x16 subtract(Int16x16 a, Int16x16 b) {
 }
 inline Int16x16 absolute(Int16x16 a) { return {vabsq_s16(a.low), vabsq_s16(a.high)}; }
 template <int kBits>
-Int16x16 shift_right(Int16x16 a) {
-  return {vshrq_n_s16(a.low, kBits), vshrq_n_s16(a.high, kBits)};
+Int16x16 shift_right_rounded(Int16x16 a) {
+#if defined(__aarch64__)
+  return {vrshrq_n_s16(a.low, kBits), vrshrq_n_s16(a.high, kBits)};
+#else
+  const Int16x16 sum = add(a, fill(1 << (kBits - 1)));
+  return {vshrq_n_s16(sum.low, kBits), vshrq_n_s16(sum.high, kBits)};
+#endif
 }
 inline Int16x16 multiply_q15(Int16x16 a, Int16x16 b) {
   return {vqrdmulhq_s16(a.low, b.low), vqrdmulhq_s16(a.high, b.high)};
@@ -97,6 +104,7 @@ class ProductSum {
   void add_products(Int16x16 a, Int16x16 b) {
     sums_ = neon::add_products(neon::add_products(sums_, a.low, b.low), a.high, b.high);
   }
+  void add(Int16x16 a) { sums_ = add_lanes(add_lanes(sums_, a.low), a.high); }
   int32_t total() const { return sum_lanes(sums_); }
 
  private:

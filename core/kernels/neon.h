@@ -51,6 +51,15 @@ inline uint8x8_t narrow(uint16x8_t a) {
 #endif
 }
 
+// a / 256, rounded to nearest, ties up. a + 128 must fit.
+inline uint8x8_t narrow_rounded_256th(uint16x8_t a) {
+#if defined(__SSE2__)
+  return narrow(vshrq_n_u16(vaddq_u16(a, vdupq_n_u16(128)), 8));
+#else
+  return vrshrn_n_u16(a, 8);
+#endif
+}
+
 // Sum of the lanes.
 inline int32_t sum_lanes(int32x4_t a) {
 #if defined(__SSE2__)
@@ -71,6 +80,15 @@ inline int32x4_t add_products(int32x4_t sums, int16x8_t a, int16x8_t b) {
                     _mm_madd_epi16(simde_int16x8_to_m128i(a), simde_int16x8_to_m128i(b)))));
 #else
   return vmlal_high_s16(vmlal_s16(sums, vget_low_s16(a), vget_low_s16(b)), a, b);
+#endif
+}
+
+// sums + a: the same as add_products with a factor of one, and on a Cortex-A72 in the other pipe.
+inline int32x4_t add_lanes(int32x4_t sums, int16x8_t a) {
+#if defined(__SSE2__)
+  return add_products(sums, a, vdupq_n_s16(1));
+#else
+  return vpadalq_s16(sums, a);
 #endif
 }
 

@@ -27,14 +27,13 @@ inline Int16x16 blend_row(const uint8_t* p, const Weights& w) {
 // rows; 2 more than 32640 still fits int16.
 inline Int16x16 blend_rows(Int16x16 upper, Int16x16 lower, const Weights& w) {
   const Int16x16 change = neon::multiply_q15(neon::subtract(lower, upper), w.lower);
-  return neon::shift_right<2>(neon::add(neon::add(upper, change), neon::fill(2)));
+  return neon::shift_right_rounded<2>(neon::add(upper, change));
 }
 
 struct Neon {
   // d_gx: 256 * 8160 * 1020 = 2,130,739,200 < 2^31 over all lanes, so any grouping is exact.
   static lk::DifferenceSums difference(const lk::Window& window, const LkPatch& patch, int16_t* d) {
     const Weights w = weights(window);
-    const Int16x16 ones = neon::fill(1);
     neon::ProductSum sum, sum_gx, sum_gy;
     const uint8_t* p = window.first;
     Int16x16 upper = blend_row(p, w);
@@ -43,7 +42,7 @@ struct Neon {
       const Int16x16 lower = blend_row(p, w);
       const Int16x16 row = neon::subtract(blend_rows(upper, lower, w), neon::load(patch.t + i));
       neon::store(d + i, row);
-      sum.add_products(row, ones);
+      sum.add(row);
       sum_gx.add_products(row, neon::load(patch.gx + i));
       sum_gy.add_products(row, neon::load(patch.gy + i));
       upper = lower;
@@ -53,10 +52,10 @@ struct Neon {
 
   // |d - mean| <= 2 * 8160 fits int16; the sum of 256 of them fits int32.
   static int32_t sum_abs(const int16_t* d, int16_t mean) {
-    const Int16x16 offset = neon::fill(mean), ones = neon::fill(1);
+    const Int16x16 offset = neon::fill(mean);
     neon::ProductSum sum;
     for (int i = 0; i < kPixels; i += kLkSize)
-      sum.add_products(neon::absolute(neon::subtract(neon::load(d + i), offset)), ones);
+      sum.add(neon::absolute(neon::subtract(neon::load(d + i), offset)));
     return sum.total();
   }
 };
@@ -83,7 +82,7 @@ void sample_bordered(const lk::Window& window, int16_t* out) {
 // |next - last| <= 8160, and 4 more, fits int16; the result is within +-1020.
 inline Int16x16 gradient(const int16_t* last, const int16_t* next) {
   const Int16x16 change = neon::subtract(neon::load(next), neon::load(last));
-  return neon::shift_right<3>(neon::add(change, neon::fill(4)));
+  return neon::shift_right_rounded<3>(change);
 }
 
 }  // namespace
@@ -93,7 +92,6 @@ bool lk_extract_neon(const ImageView& im, float x, float y, LkPatch& out) {
   if (!lk::place(im, x, y, 1, window)) return false;
   alignas(64) int16_t samples[kBordered * kBorderedStride];
   sample_bordered(window, samples);
-  const Int16x16 ones = neon::fill(1);
   neon::ProductSum sx, sy, sxx, sxy, syy;  // 256 * 1020^2 < 2^31
   for (int i = 0; i < kPixels; i += kLkSize) {
     const int16_t* p = samples + (i / kLkSize + 1) * kBorderedStride + 1;
@@ -102,8 +100,8 @@ bool lk_extract_neon(const ImageView& im, float x, float y, LkPatch& out) {
     neon::store(out.t + i, neon::load(p));
     neon::store(out.gx + i, gx);
     neon::store(out.gy + i, gy);
-    sx.add_products(gx, ones);
-    sy.add_products(gy, ones);
+    sx.add(gx);
+    sy.add(gy);
     sxx.add_products(gx, gx);
     sxy.add_products(gx, gy);
     syy.add_products(gy, gy);

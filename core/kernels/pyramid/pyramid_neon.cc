@@ -52,7 +52,7 @@ void blend_rows(const uint16_t* const (&rows)[5], int count, uint8_t* out) {
     const uint16x8_t sum =
         binomial(vld1q_u16(rows[0] + x), vld1q_u16(rows[1] + x), vld1q_u16(rows[2] + x),
                  vld1q_u16(rows[3] + x), vld1q_u16(rows[4] + x));
-    return neon::narrow(vshrq_n_u16(vaddq_u16(sum, vdupq_n_u16(128)), 8));
+    return neon::narrow_rounded_256th(sum);
   };
   int x = 0;
   for (; x + 8 <= count; x += 8) vst1_u8(out + x, at(x));

@@ -18,7 +18,7 @@ struct Sums {
 
   // |sum| <= 256 * 255 = 65280, whose square still fits u32.
   uint32_t finish(int shift) const {
-    const int32_t total = neon::sum_lanes(neon::add_products(vdupq_n_s32(0), sum, vdupq_n_s16(1)));
+    const int32_t total = neon::sum_lanes(neon::add_lanes(vdupq_n_s32(0), sum));
     const uint32_t magnitude = static_cast<uint32_t>(total < 0 ? -total : total);
     return static_cast<uint32_t>(neon::sum_lanes(squares)) - ((magnitude * magnitude) >> shift);
   }
