@@ -9,6 +9,8 @@
 // Cost    ns, x86-64 at 2.1 GHz (make bench K=camera):  project  with J  unproject
 //         radtan                                               9      13         77
 //         Kannala-Brandt                                      30      42         69
+// Goal    A72 cycles: radtan_project 150 a call, radtan_unproject 550 a call.
+// Goal    A72 cycles: fisheye_project 350 a call, fisheye_unproject 550 a call.
 // Source  kPinholeRadtan: Brown 1966 as in OpenCV, d = k1 k2 p1 p2.
 //         kKannalaBrandt: Kannala, Brandt, PAMI 2006, as in OpenCV fisheye, d = k1 k2 k3 k4;
 //         good past 90 degrees off axis.

@@ -23,7 +23,7 @@ typedef struct {
 static inline void cache_init(Cache* cache, uint32_t bytes, uint32_t ways) {
   cache->sets = bytes / kLineBytes / ways;
   cache->ways = ways;
-  cache->lines = calloc((size_t)cache->sets * ways, sizeof(uint64_t));
+  cache->lines = (uint64_t*)calloc((size_t)cache->sets * ways, sizeof(uint64_t));
 }
 
 /* True: the line was there. Afterwards it is there, as the latest used. */

@@ -15,6 +15,8 @@ PENALTY = {
     "cortex-a53": {"l1_miss": 13, "l1_miss_in_sequence": 3,
                    "l2_miss": 168, "l2_miss_in_sequence": 26},
 }
+# A branch that was predicted wrongly: the pipeline is filled anew.
+MISPREDICTED_PENALTY = {"cortex-a72": 15, "cortex-a53": 8}
 GHZ = {"cortex-a72": 1.8, "cortex-a53": 1.4}
 
 COLUMNS = ("image", "matching", "tracking", "mapping")
@@ -25,22 +27,25 @@ FRAME_BEGINS = "door.frame"
 
 
 class Cost:
-    """Instructions, and per core: cycles in the pipeline and cycles waiting for caches."""
-    __slots__ = ("instructions", "pipeline", "cache")
+    """Instructions, and per core: cycles in the pipeline, waiting for caches and after branches that
+    were predicted wrongly."""
+    __slots__ = ("instructions", "pipeline", "cache", "branch")
 
     def __init__(self):
         self.instructions = 0
         self.pipeline = [0.0] * len(record.CORES)
         self.cache = [0.0] * len(record.CORES)
+        self.branch = [0.0] * len(record.CORES)
 
     def add(self, other):
         self.instructions += other.instructions
         for c in range(len(record.CORES)):
             self.pipeline[c] += other.pipeline[c]
             self.cache[c] += other.cache[c]
+            self.branch[c] += other.branch[c]
 
     def cycles(self, core):
-        return self.pipeline[core] + self.cache[core]
+        return self.pipeline[core] + self.cache[core] + self.branch[core]
 
 
 # One run of a scope between marks. order: which of that place's scopes in its frame, from 0.
@@ -72,8 +77,12 @@ class Model:
         pairs = iter(segment.events)
         for key, count in zip(pairs, pairs):
             block, kind = divmod(key, record.EVENTS_PER_BLOCK)
-            core = kind // record.EVENTS_PER_CORE
-            out[self.functions[block]].cache[core] += count * self.penalties[kind]
+            cost = out[self.functions[block]]
+            if kind == record.MISPREDICTED:
+                for c, core in enumerate(record.CORES):
+                    cost.branch[c] += count * MISPREDICTED_PENALTY[core]
+            else:
+                cost.cache[kind // record.EVENTS_PER_CORE] += count * self.penalties[kind]
         return out
 
 

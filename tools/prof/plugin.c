@@ -9,14 +9,15 @@
  *         'S' segment, what one CPU did between two marks: u32 cpu, u64 place now on top of the
  *             CPU's stack (0: none), u8 what ends it ('b' begin, 'e' end, 'x' exit), u64 place of
  *             that mark, u64 instructions executed by all CPUs so far, u32 number of executions,
- *             u32 number of events; executions {u32 block, u32 count}; events {u32 block * 16 +
- *             kind, u32 count}, kind = kKinds of the first core + access - 1.
+ *             u32 number of events; executions {u32 block, u32 count}; events {u32 block *
+ *             kEvents + kind, u32 count}.
  * Errors  A block that an exception or an access to a device leaves early counts as a whole.
  *         Instructions and data of all CPUs go through private L1 and one shared L2.
  *         Only for one thread of emulation: user mode without threads, or system mode with -icount.
  * Cost    About 5 times the emulator's own time. */
 #include <stdio.h>
 
+#include "branch_model.h"
 #include "cache_model.h"
 #include "qemu_plugin.h"
 
@@ -24,25 +25,27 @@ QEMU_PLUGIN_EXPORT int qemu_plugin_version = QEMU_PLUGIN_API_VERSION;
 
 enum { kCpusMax = 8, kPlacesDeepMax = 32, kWordsMax = 512, kBuckets = 1 << 16 };
 enum { kCores = 2 };
-/* Event kinds of one core: instruction fetch, then data; each as Access without kCacheHit. */
-enum { kFetch = 0, kData = 4, kKinds = 8 };
+/* Event kinds: per core instruction fetch, then data, each as Access without kCacheHit; after them
+ * a branch at the block's end that was predicted wrongly, the same for all cores. */
+enum { kFetch = 0, kData = 4, kKinds = 8, kMispredicted = kCores * kKinds, kEvents };
 
 typedef struct Block {
   struct Block* next; /* in its bucket */
   uint64_t address;
   uint32_t id;
   uint32_t instructions;
+  Branch branch; /* its last instruction */
   /* Since the segment of that CPU began: */
   bool listed[kCpusMax]; /* among touched */
   uint32_t executed[kCpusMax];
-  uint32_t events[kCpusMax][kCores * kKinds];
+  uint32_t events[kCpusMax][kEvents];
 } Block;
 
 /* Geometry from the cores' technical reference manuals, sizes as the RK3399 has them. */
 static const struct {
   uint32_t l1i_bytes, l1i_ways, l1d_bytes, l1d_ways, l2_bytes, l2_ways, streams;
 } kGeometry[kCores] = {
-    {48 << 10, 3, 32 << 10, 2, 1 << 20, 16, 8}, /* Cortex-A72 */
+    {48 << 10, 3, 32 << 10, 2, 1 << 20, 16, 8},   /* Cortex-A72 */
     {32 << 10, 2, 32 << 10, 4, 512 << 10, 16, 4}, /* Cortex-A53 */
 };
 
@@ -52,6 +55,7 @@ typedef struct {
   uint64_t places[kPlacesDeepMax];
   uint32_t places_deep;
   Block* running;
+  Predictor predictor;
   struct {
     Cache l1i, l1d;
     Streams fetched, loaded;
@@ -84,7 +88,7 @@ static void end_segment(uint32_t index, uint8_t why, uint64_t place) {
   Cpu* const cpu = &cpus[index];
   uint32_t events = 0;
   for (uint32_t i = 0; i < cpu->touched_count; ++i)
-    for (uint32_t k = 0; k < kCores * kKinds; ++k) events += cpu->touched[i]->events[index][k] > 0;
+    for (uint32_t k = 0; k < kEvents; ++k) events += cpu->touched[i]->events[index][k] > 0;
   put8('S');
   put32(index);
   put64(top_place(cpu));
@@ -99,9 +103,9 @@ static void end_segment(uint32_t index, uint8_t why, uint64_t place) {
   }
   for (uint32_t i = 0; i < cpu->touched_count; ++i) {
     Block* const block = cpu->touched[i];
-    for (uint32_t k = 0; k < kCores * kKinds; ++k) {
+    for (uint32_t k = 0; k < kEvents; ++k) {
       if (block->events[index][k] == 0) continue;
-      put32(block->id * kCores * kKinds + k);
+      put32(block->id * kEvents + k);
       put32(block->events[index][k]);
     }
     block->listed[index] = false;
@@ -138,9 +142,17 @@ static void touch(Cpu* cpu, uint32_t index, Block* block) {
   cpu->touched[cpu->touched_count++] = block;
 }
 
+static void predict(Cpu* cpu, uint32_t index, Block* ended, uint64_t next) {
+  const uint64_t branch = ended->address + 4 * (ended->instructions - 1);
+  if (predictor_knew(&cpu->predictor, ended->branch, branch, next)) return;
+  touch(cpu, index, ended);
+  ++ended->events[index][kMispredicted];
+}
+
 static void on_block(unsigned index, void* context) {
   Block* const block = context;
   Cpu* const cpu = &cpus[index];
+  if (cpu->running != NULL) predict(cpu, index, cpu->running, block->address);
   cpu->running = block;
   instructions += block->instructions;
   touch(cpu, index, block);
@@ -149,8 +161,7 @@ static void on_block(unsigned index, void* context) {
   const uint64_t last = (block->address + 4 * block->instructions - 1) / kLineBytes;
   for (int c = 0; c < kCores; ++c) {
     for (uint64_t line = first; line <= last; ++line) {
-      const Access access =
-          cache_access(&cpu->core[c].l1i, &l2[c], &cpu->core[c].fetched, line);
+      const Access access = cache_access(&cpu->core[c].l1i, &l2[c], &cpu->core[c].fetched, line);
       if (access != kCacheHit) ++block->events[index][c * kKinds + kFetch + access - 1];
     }
   }
@@ -185,6 +196,7 @@ static Block* find_block(uint64_t address, uint32_t count, const uint32_t* words
   block->address = address;
   block->id = blocks++;
   block->instructions = count;
+  block->branch = branch_of(words[count - 1]);
   put8('B');
   put32(block->id);
   put64(address);
@@ -216,8 +228,8 @@ static void on_translation(qemu_plugin_id_t id, struct qemu_plugin_tb* tb) {
       qemu_plugin_register_vcpu_mem_cb(insn, on_mark_begin, QEMU_PLUGIN_CB_NO_REGS,
                                        QEMU_PLUGIN_MEM_W, NULL);
     if (is_in_mark(at, mark_end))
-      qemu_plugin_register_vcpu_mem_cb(insn, on_mark_end, QEMU_PLUGIN_CB_NO_REGS,
-                                       QEMU_PLUGIN_MEM_W, NULL);
+      qemu_plugin_register_vcpu_mem_cb(insn, on_mark_end, QEMU_PLUGIN_CB_NO_REGS, QEMU_PLUGIN_MEM_W,
+                                       NULL);
   }
   qemu_plugin_register_vcpu_tb_exec_cb(tb, on_block, QEMU_PLUGIN_CB_NO_REGS,
                                        find_block(address, (uint32_t)count, words));

@@ -9,6 +9,7 @@ import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 
+import bench  # noqa: E402
 import elf  # noqa: E402
 import estimate  # noqa: E402
 import pipeline  # noqa: E402
@@ -117,6 +118,12 @@ class EstimateTest(Recorded):
         self.assertEqual(cost.cache[0], 3 * estimate.PENALTY["cortex-a72"]["l2_miss"])
         self.assertEqual(cost.cache[1], 2 * estimate.PENALTY["cortex-a53"]["l2_miss"])
 
+    def test_branches_predicted_wrongly_cost_on_every_core(self):
+        parts = scope(0, 0, 1, []) + scope(0, 0, 2, [(0, 1)], [(record.MISPREDICTED, 3)])
+        frames, _ = self.frames(parts + scope(0, 0, 1, []))
+        self.assertEqual(frames[0].column["image"].branch, [45, 24])
+        self.assertEqual(frames[0].column["image"].cycles(0), 10 + 45)
+
     def test_explains_the_worst_frame(self):
         parts = []
         for mapping in (1, 1, 100, 1, 1, 1):
@@ -140,6 +147,45 @@ class TablesTest(Recorded):
         self.assertIn("because of f (36.00 M)", text)
         self.assertIn("goal end to end, all cores      87.000 M of 90 M A72 cycles, p99 87.000 M: met", text)
         self.assertIn("What the estimate leaves out", text)
+
+
+class BenchTest(Recorded):
+    HEADERS = {"a.h": "// Cost    5 ns\n// Goal    A72 cycles: f 11 a call, g 2.5 an iteration (make bench).\nint x;\n",
+               "b.h": "// Goal    A72 cycles: h 4 a pixel.\n"}
+    SAID = "boot\nbench.f call 4 units 40 cycles 44 instructions\nbench.g iteration 2 units 8 cycles 9 instructions\n"
+
+    def costs(self):
+        blocks, segments = self.read([block_bytes(0, 0x1000, [ADD_X0_X0_1] * 4)]
+                                     + scope(0, 0, 8, [(0, 4)]) + scope(0, 0, 9, [(0, 2)]))
+        model = estimate.Model(blocks, ["f"], [[(10.0, 1.0)], [(20.0, 1.0)]])
+        names = {8: "bench.f", 9: "bench.g"}
+        return bench.costs(estimate.pieces(segments, model, lambda place: names.get(place, "")))
+
+    def test_reads_goals_and_what_the_program_said(self):
+        self.assertEqual(bench.goals(self.HEADERS),
+                         {"f": (11.0, "call"), "g": (2.5, "iteration"), "h": (4.0, "pixel")})
+        self.assertEqual(bench.printed(self.SAID)["g"], ("iteration", 2, 8, 9))
+
+    def test_compares_per_unit(self):
+        text = bench.table(self.costs(), bench.printed(self.SAID), bench.goals(self.HEADERS))
+        f, g = text.splitlines()[1:]
+        self.assertEqual(f.split(), ["f", "call", "4.00", "10.00", "11", "met", "0%", "0%", "20.00"])
+        self.assertEqual(g.split()[:6], ["g", "iteration", "4.00", "10.00", "2.5", "MISSED"])
+        self.assertEqual(len(bench.table(self.costs(), bench.printed(self.SAID), {}, "g").splitlines()), 2)
+
+    def test_refuses_a_goal_that_cannot_be_read_or_counts_something_else(self):
+        with self.assertRaises(bench.GoalError):
+            bench.goals({"a.h": "// Goal    A72 cycles: fast.\n"})
+        with self.assertRaises(bench.GoalError):
+            bench.table(self.costs(), bench.printed(self.SAID), {"f": (1.0, "pixel")})
+
+    def test_every_goal_in_the_sources_can_be_read(self):
+        root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+        goals = bench.goals(bench.headers_below(os.path.join(root, "core")))
+        self.assertIn("equalize", goals)
+        for kernel in sorted(os.listdir(os.path.join(root, "core", "kernels"))):
+            if os.path.isdir(os.path.join(root, "core", "kernels", kernel)):
+                self.assertTrue(any(name.startswith(kernel) for name in goals), kernel)
 
 
 class TimelineTest(Recorded):

@@ -10,7 +10,8 @@ import struct
 # Order of plugin.c: core, then fetch or data, then what the access found.
 CORES = ("cortex-a72", "cortex-a53")
 EVENTS_PER_CORE = 8
-EVENTS_PER_BLOCK = EVENTS_PER_CORE * len(CORES)
+MISPREDICTED = EVENTS_PER_CORE * len(CORES)  # the same for all cores
+EVENTS_PER_BLOCK = MISPREDICTED + 1
 EVENT_NAMES = (
     "fetch_l1_miss", "fetch_l1_miss_in_sequence", "fetch_l2_miss", "fetch_l2_miss_in_sequence",
     "data_l1_miss", "data_l1_miss_in_sequence", "data_l2_miss", "data_l2_miss_in_sequence")

@@ -11,6 +11,7 @@
 //         A square root is taken only where a pixel beats the best m so far: if xx, yy > m and
 //         (xx - m) (yy - m) > xy^2. In float this test is monotonic in m too, so testing several
 //         pixels against an old m never loses one, and both variants agree in every bit.
+// Goal    A72 cycles: corner_best 15 a pixel, over 36 x 36 px (make bench BOARD=qemu-virt).
 // Source  Shi, Tomasi, "Good Features to Track", CVPR 1994, section 3.
 #pragma once
 

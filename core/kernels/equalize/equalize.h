@@ -5,6 +5,7 @@
 // Frames  none.
 // Errors  None. Asserts the size.
 // Cost    752 x 480: 0.16 ms x86-64 (make bench K=equalize). 5 KiB of stack.
+// Goal    A72 cycles: equalize 3.5 a pixel (make bench BOARD=qemu-virt).
 // Source  OpenCV 4.6, imgproc/src/histogram.cpp, equalizeHist.
 #pragma once
 

@@ -11,6 +11,7 @@
 // Cost    x86-64: 55 ns per iteration, 75 ns per extraction (make bench K=lk).
 //         Both variants and all machines give the same bits: sums are integers, the 2 x 2 solve is
 //         a fixed order of float operations.
+// Goal    A72 cycles: lk_extract 1300 a call, lk_align 650 an iteration.
 // Source  Baker, Matthews, "Lucas-Kanade 20 Years On", IJCV 2004, section 3.2.1, W(x;p) = x + p.
 #pragma once
 
