@@ -1,2 +1,27 @@
-# Rockchip RK3399: 4 Cortex-A53, 2 Cortex-A72.
+# RK3399 behind U-Boot: two Cortex-A72 and four Cortex-A53, and the card that it starts from.
 include board/bare/bare.mk
+
+UBOOT ?= rock-pi-4-rk3399
+FIRMWARE := $(BUILD)/uboot/usr/lib/u-boot/$(UBOOT)
+CARD := $(OUT)/card.img
+RECORDING := $(OUT)/recording.pack
+
+.PHONY: image flash flash-usb
+# The application for QEMU lies beside the board's: with it the card itself is booted in a test.
+image: $(OUT)/pirvs.bin $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; SEQ=path UBOOT=board
+	@$(MAKE) --no-print-directory BOARD=qemu-virt all
+	@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+	@$(BUILD)/host/pirvs pack $(SEQ) --out $(RECORDING) --duration $(DURATION)
+	@tools/image/build --out $(CARD) --firmware $(FIRMWARE) /recording.bin=$(RECORDING) \
+	  /pirvs-rk3399-bare.bin=$(OUT)/pirvs.bin /pirvs-qemu-virt.bin=$(BUILD)/qemu-virt/pirvs.bin \
+	  /extlinux/extlinux.conf=board/$(BOARD)/extlinux.conf
+
+flash: ## write the card: DEV=/dev/sdX
+	@tools/image/flash $(CARD) $(DEV)
+
+flash-usb: ## write the eMMC over USB; LOADER=file in mask ROM mode
+	@tools/image/flash_usb $(CARD) $(LOADER)
+
+$(FIRMWARE)/idbloader.img:
+	@tools/image/fetch_uboot $(BUILD)/uboot
+	@[ -e $@ ] || { echo "image: no $@; UBOOT= one of: $$(ls $(BUILD)/uboot/usr/lib/u-boot)"; exit 2; }

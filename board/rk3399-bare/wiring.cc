@@ -76,8 +76,9 @@ Status gpio_watch(Pin pin, EdgeKind kind) {
   static bool handled = false;
   set_up();
   PIRVS_TRY(gpio4.watch(pin.line, kind));
-  if (!handled) PIRVS_TRY(interrupt_handle(kGpio4Interrupt, handle_gpio4));
-  if (!handled) interrupt_enable(kGpio4Interrupt);
+  if (handled) return Status::kOk;
+  PIRVS_TRY(interrupt_handle(kGpio4Interrupt, handle_gpio4));
+  interrupt_enable(kGpio4Interrupt);
   handled = true;
   return Status::kOk;
 }
