@@ -27,10 +27,11 @@ OUT_FUZZ := $(BUILD)/$(BOARD)-fuzz
 ifneq ($(filter-out address thread,$(SAN)),)
   $(error SAN=$(SAN): there are address and thread)
 endif
-BOARDS := host $(patsubst board/%/board.mk,%,$(wildcard board/*/board.mk))
+BOARDS := $(patsubst board/%/board.mk,%,$(wildcard board/*/board.mk))
 ifeq ($(filter $(BOARD),$(BOARDS)),)
   $(error no board/$(BOARD)/board.mk; boards: $(BOARDS))
 endif
+BARE_BOARDS := $(filter-out host,$(BOARDS))
 
 # ---- sources -----------------------------------------------------------------------------------
 # find_cc(folders): every *.cc below those of the folders that exist.
@@ -97,8 +98,10 @@ help: ## this list
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 22
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
 	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz)"
-	@echo "Without an operating system, BOARD=$(filter-out host,$(BOARDS)):"
+	@echo "Without an operating system, BOARD=$(BARE_BOARDS):"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' board/bare/bare.mk | expand -t 28
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=rk3399-bare \1\t\2/p' \
+	  board/rk3399-bare/board.mk | expand -t 36
 	@echo "Options: SEQ=recording, DURATION=seconds of it, ARGS='words for the image'"
 
 format: $(BUILD)/setup.stamp ## rewrite every source with clang-format
@@ -161,9 +164,9 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 	PIRVS_FUZZ=$(T) $(OUT_FUZZ)/fuzz -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 \
 	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
 
-EMULATED_BOARDS := qemu-virt
 test-emulator: $(OUT)/emulator_tests $(if $(ONE_BY_ONE),test-system) ## images in the emulator alone
-	@for board in $(EMULATED_BOARDS); do $(MAKE) --no-print-directory BOARD=$$board all; done
+	@$(MAKE) --no-print-directory BOARD=qemu-virt all
+	@$(MAKE) --no-print-directory BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
 	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
 	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
@@ -172,7 +175,9 @@ bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
 
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
-	@tools/check/run --build $(BUILD) --objects $(OUT)/obj
+	@for board in $(BARE_BOARDS); do $(MAKE) --no-print-directory BOARD=$$board all size; done
+	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \
+	  $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
 
 # ---- build -------------------------------------------------------------------------------------
 # objects(tree, sources)

@@ -14,6 +14,7 @@
 
 #include "board/bare/board.h"
 #include "board/bare/fault_injection.h"
+#include "board/bare/pin_watch.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/cycles.h"
@@ -206,6 +207,7 @@ int application() {
   Text<128> line;
   line.put("\nPIRVS on ").put(bsp::kMachine.name).put(", ").number(kCores).put(" cores");
   say(line);
+  if (pin_watch_wanted()) return pin_watch();
   if (!run.fault.configure()) {
     bsp::console_write("fault=: null, stack, hang or assert\n");
     return kExitBadInput;

@@ -6,7 +6,7 @@ FIRMWARE := $(BUILD)/uboot/usr/lib/u-boot/$(UBOOT)
 CARD := $(OUT)/card.img
 RECORDING := $(OUT)/recording.pack
 
-.PHONY: image flash flash-usb
+.PHONY: image firmware flash flash-usb
 # The application for QEMU lies beside the board's: with it the card itself is booted in a test.
 image: $(OUT)/pirvs.bin $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; SEQ=path UBOOT=board
 	@$(MAKE) --no-print-directory BOARD=qemu-virt all
@@ -15,6 +15,8 @@ image: $(OUT)/pirvs.bin $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; SE
 	@tools/image/build --out $(CARD) --firmware $(FIRMWARE) /recording.bin=$(RECORDING) \
 	  /pirvs-rk3399-bare.bin=$(OUT)/pirvs.bin /pirvs-qemu-virt.bin=$(BUILD)/qemu-virt/pirvs.bin \
 	  /extlinux/extlinux.conf=board/$(BOARD)/extlinux.conf
+
+firmware: $(FIRMWARE)/idbloader.img ## Debian's U-Boot for this board alone
 
 flash: ## write the card: DEV=/dev/sdX
 	@tools/image/flash $(CARD) $(DEV)

@@ -8,6 +8,8 @@
 namespace pirvs {
 namespace {
 
+constexpr TimeNs kAskImu_ns = 100'000'000;  // a frame interval of slow cameras
+
 ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
   const double s = to_seconds(t - a.t) / to_seconds(b.t - a.t);
   ImuSample out;
@@ -106,6 +108,19 @@ void Door::hand_out(DoorItem& out, const ImuSample& sample, bool broken) {
   has_last_ = true;
 }
 
+// A frame from far back, as when somebody has set the clock: before it and those like it are
+// dropped, the IMU's next samples must say whether its stamps have gone back, too.
+bool Door::may_be_of_another_time() {
+  if (!has_last_ || last_.t - frame_.t <= break_) return false;
+  if (far_back_since_ == 0) far_back_since_ = last_.t;
+  return last_.t - far_back_since_ < kAskImu_ns;
+}
+
+void Door::hand_out_ahead(DoorItem& out) {
+  has_ahead_ = false;
+  hand_out(out, ahead_.sample, ahead_.broken);
+}
+
 Status Door::next(DoorItem& out) {
   for (;;) {
     const bool imu = fetch_imu();
@@ -116,18 +131,23 @@ Status Door::next(DoorItem& out) {
       out.broken = false;
       out.frame = frame_;
       last_frame_t_ = frame_.t;
+      far_back_since_ = 0;
       return Status::kOk;
     }
     if (imu && ahead_.broken) {  // what was before has nothing to say about what comes
       last_frame_t_ = INT64_MIN;
-      has_ahead_ = false;
+      far_back_since_ = 0;
       const bool back = ahead_.sample.t < last_.t;
       if (back && frame && frame_.t - ahead_.sample.t > break_) drop_frame(DoorLoss::kFrameAhead);
-      hand_out(out, ahead_.sample, true);
+      hand_out_ahead(out);
       return Status::kOk;
     }
     DoorLoss why;
     if (frame && is_late(frame_, why)) {
+      if (imu && may_be_of_another_time()) {
+        hand_out_ahead(out);
+        return Status::kOk;
+      }
       drop_frame(why);
       continue;
     }

@@ -53,6 +53,8 @@ class Door {
   bool is_late(const DoorFrame& frame, DoorLoss& why) const;
   void drop_frame(DoorLoss why);
   bool imu_may_pass_silent_cameras();
+  bool may_be_of_another_time();
+  void hand_out_ahead(DoorItem& out);
   void hand_out(DoorItem& out, const ImuSample& sample, bool broken);
 
   DoorParams params_;
@@ -67,6 +69,8 @@ class Door {
   DoorFrame frame_;
   bool has_frame_ = false;
   TimeNs last_frame_t_ = INT64_MIN;
+  TimeNs far_back_since_ =
+      0;  // sensor time when frames began to come from far back; 0: they do not
   bool imu_ended_ = false, frames_ended_ = false;
   TimeNs silent_since_ = 0;  // by the machine's clock; 0: the cameras are heard
   bool silence_counted_ = false;

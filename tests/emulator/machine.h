@@ -2,6 +2,8 @@
 // In      The board, a packed recording, words for the image's command line. PIRVS_BUILD: where
 //         `make BOARD=... all` has left the images (default: build).
 // Out     Exit status, what the console said, what the image wrote (trajectory.tum, timing.csv).
+//         pack_of: the first seconds of the real clip where it is, else of a simulated flight,
+//         packed; short_pack: 1.4 s of it, packed once. run_tool: any program, its console only.
 // Errors  status 124: it did not end within kRun_s_max.
 // Cost    ~0.4 s, and 30 ms a stereo frame.
 // Source  tools/emulator/run.
@@ -23,5 +25,10 @@ struct MachineRun {
 };
 
 MachineRun run_machine(const std::string& board, const std::string& pack, const std::string& words);
+MachineRun run_tool(const std::string& command);
+std::string image_of(const std::string& board);
+
+std::string pack_of(double duration_s);
+const std::string& short_pack();
 
 }  // namespace pirvs::systems

@@ -9,32 +9,14 @@
 #include "tests/emulator/machine.h"
 #include "tests/recordings.h"
 #include "tests/replay.h"
-#include "tools/dataset/pack_file.h"
 
 namespace pirvs::systems {
 namespace {
 
 constexpr int kSafeState = 3;
 
-// The real clip where it is, else a simulated flight; packed once for each duration.
-std::string pack_of(double duration_s) {
-  const std::string folder = scratch_folder("pack" + std::to_string(int(duration_s * 10)));
-  tools::RecordingOptions options;
-  options.duration_s = duration_s;
-  const tools::Recording* const real = clip();
-  const std::string source = real ? real->folder : simulated(SimulatedDevice::kEuroc).folder;
-  tools::write_pack(tools::open_recording(source, options), folder + "/recording.pack",
-                    [](size_t, size_t) {});
-  return folder + "/recording.pack";
-}
-
 const std::string& five_seconds() {
   static const std::string pack = pack_of(5);
-  return pack;
-}
-
-const std::string& short_pack() {
-  static const std::string pack = pack_of(1.4);
   return pack;
 }
 

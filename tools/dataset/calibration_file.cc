@@ -68,7 +68,9 @@ SE3 transform(const Source& source, const std::vector<double>& m, const char* ke
   const bool rotation =
       (T.R * T.R.transpose() - Mat3::Identity()).norm() < kPrinted && T.R.determinant() > 0;
   if (!rotation) source.fail("the 3 x 3 part is not a rotation", key);
-  T.R = orthonormalized(T.R);
+  // What is one to the last bits stays, so that a recording of a recording gives the same run.
+  constexpr double kExact = 4e-15;
+  if ((T.R * T.R.transpose() - Mat3::Identity()).norm() > kExact) T.R = orthonormalized(T.R);
   return T;
 }
 

@@ -83,7 +83,9 @@ Trajectory read_trajectory(const std::string& path) {
         text.find('.') == std::string::npos ? double(*t) / 1e9 : std::strtod(text.c_str(), nullptr);
     decode(value, columns, table.has_commas(), pose);
     const double norm = pose.q_WB.norm();
-    if (norm < 1e-3) table.fail("the quaternion is zero", "remove the line");
+    if (!(norm > 1e-3 && norm < 1e3)) {
+      table.fail("the quaternion is zero or far from a unit one", "remove the line");
+    }
     pose.q_WB /= norm;
     if (!out.poses.empty() && pose.t <= out.poses.back().t) {
       table.fail("the stamp is not after the one before", "sort the file by time");
@@ -97,7 +99,7 @@ Trajectory read_trajectory(const std::string& path) {
 
 std::string tum_line(TimeNs t, const Vec3& p_WB, const Vec4& q_WB) {
   constexpr TimeNs kSecond = 1'000'000'000;
-  char line[256];
+  char line[2560];  // even of coordinates that nobody has
   std::snprintf(line, sizeof line, "%lld.%09lld %.9f %.9f %.9f %.9f %.9f %.9f %.9f\n",
                 static_cast<long long>(t / kSecond), static_cast<long long>(t % kSecond), p_WB.x(),
                 p_WB.y(), p_WB.z(), q_WB[0], q_WB[1], q_WB[2], q_WB[3]);

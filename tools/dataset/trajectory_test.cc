@@ -57,6 +57,7 @@ TEST(trajectory, bad_rows_are_named_with_their_line) {
                                   {"1 0 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n", "line 3"},
                                   {"1 0 0 0 0 0 0 1\n2 0 inf 0 0 0 0 1\n", "not finite"},
                                   {"1 0 0 0 0 0 0 0\n", "quaternion is zero"},
+                                  {"1 0 0 0 0 0 0 3e190\n", "far from a unit one"},
                                   {"1 0 0 0\n", "8 columns"},
                                   {"", "no poses"}};
   for (const auto& [text, says] : cases) {

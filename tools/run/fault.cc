@@ -102,10 +102,10 @@ void parse_time(std::string_view text, const Row& row, Fault& fault) {
   fault.once = dash == std::string_view::npos && row.alone == Alone::kOneItem;
   if (dash == std::string_view::npos) return;
   const auto end = number(text.substr(dash + 1));
-  if (!end || *end <= *begin || *end > kTime_s_max) {
+  if (end && *end >= 0 && *end <= kTime_s_max) fault.end = from_seconds(*end);
+  if (!end || *end < 0 || *end > kTime_s_max || fault.end <= fault.begin) {
     refuse("the time does not end after it begins", fault.spec, row);
   }
-  fault.end = from_seconds(*end);
 }
 
 // Every pixel row by row, whatever its stride, and the view on them.

@@ -166,6 +166,8 @@ TEST(fault_spec, what_makes_no_sense_is_refused_in_one_line) {
                                   {"black:1-1", "does not end"},
                                   {"black:1-", "does not end"},
                                   {"black:1-2-3", "does not end"},
+                                  {"nan:0-8e-87", "does not end"},
+                                  {"nan:1--2", "does not end"},
                                   {"black:nan", "not in seconds"},
                                   {"black:1e9", "not in seconds"},
                                   {"gain:18", "behind 'x'"},

@@ -1,0 +1,1 @@
+# A PC: built by the Makefile itself.
