@@ -90,7 +90,7 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run size test test-unit test-system test-emulator fuzz bench check format setup \
+.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench check format setup \
   clean FORCE
 
 help: ## this list
@@ -117,6 +117,12 @@ clean: ## delete build/
 $(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
 	@tools/setup/install
 	@mkdir -p $(BUILD) && touch $@
+
+# The profiler's plugin for QEMU (docs/profiling.md).
+$(BUILD)/prof/plugin.so: $(wildcard tools/prof/*.c tools/prof/*.h) | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	@echo "cc $<"
+	@gcc -O2 -Wall -Wextra -shared -fPIC -fvisibility=hidden $(filter %.c,$^) -o $@.$$$$ && mv $@.$$$$ $@
 
 ifneq ($(BOARD),host)
 include board/$(BOARD)/board.mk

@@ -36,6 +36,21 @@ run: $(OUT)/pirvs.bin ## SLAM in the emulator, on a simulated recording or SEQ=p
 	@tools/emulator/compare --image $(OUT)/pirvs.bin --pirvs $(BUILD)/host/pirvs --out $(RUN) \
 	  --duration $(DURATION) $(SEQ) $(ARGS)
 
+# The same image in the emulator, watched by the profiler's plugin: build/prof-BOARD.
+PROF := $(BUILD)/prof-$(BOARD)
+define profile
+@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+@mkdir -p $(PROF)
+@$(BUILD)/host/pirvs pack $(SEQ) --out $(PROF)/recording.pack --duration $(DURATION)
+@tools/prof/profile --elf $(OUT)/pirvs.elf --plugin $(BUILD)/prof/plugin.so --out $(PROF) $(1) -- \
+  tools/emulator/run --image $(OUT)/pirvs.bin --out $(PROF) --recording $(PROF)/recording.pack \
+  --timeout 7200 '--extra=-plugin {plugin}' $(2) $(ARGS)
+endef
+prof: $(OUT)/pirvs.bin $(BUILD)/prof/plugin.so ## Table II in instructions and estimated cycles; prof.json
+	$(call profile,,profile)
+bench: $(OUT)/pirvs.bin $(BUILD)/prof/plugin.so ## single kernels against their goals; K=name one
+	$(call profile,--bench $(K),bench)
+
 # ---- build -------------------------------------------------------------------------------------
 define compile_bare
 @mkdir -p $(@D)

@@ -31,7 +31,8 @@ constexpr uint32_t kFrameDefault = 20;
 
 uint32_t number_of(const char* text) {
   uint32_t value = 0;
-  for (; *text >= '0' && *text <= '9'; ++text) value = 10 * value + static_cast<uint32_t>(*text - '0');
+  for (; *text >= '0' && *text <= '9'; ++text)
+    value = 10 * value + static_cast<uint32_t>(*text - '0');
   return value;
 }
 
@@ -59,8 +60,8 @@ bool FaultInjection::configure() {
 void FaultInjection::begin() const {
   if (core_ == 0) return strike();
   const auto entry = [](void* self) { static_cast<FaultInjection*>(self)->strike(); };
-  const Status started = bsp::start_core(static_cast<int>(core_), entry,
-                                         const_cast<FaultInjection*>(this));
+  const Status started =
+      bsp::start_core(static_cast<int>(core_), entry, const_cast<FaultInjection*>(this));
   PIRVS_ASSERT(started == Status::kOk);
   for (;;) bsp::relax();
 }

@@ -4,6 +4,8 @@
 //           pace=free       mapping may lag, as on a device; default: lockstep, the same bytes as
 //                           on one core
 //           semihosting     somebody keeps our files and wants an exit code
+//           profile         also say what each task took (board/bare/profile.h)
+//           bench           single kernels on two images of the recording instead (bench.h)
 //           fault=KIND      null, stack, hang or assert: do that at a frame, to see the report
 //           fault_at=N      at which (default 20); fault_core=N on that core, one at rest
 // Out     Every pose on the console, "pose" and a line of TUM; trajectory.tum and timing.csv where
@@ -12,9 +14,11 @@
 //         and 3, safe state after a fault.
 #include <cstring>
 
+#include "board/bare/bench.h"
 #include "board/bare/board.h"
 #include "board/bare/fault_injection.h"
 #include "board/bare/pin_watch.h"
+#include "board/bare/profile.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/cycles.h"
@@ -82,8 +86,8 @@ void on_frame(void*, const FrameReport& report) {
   }
   line.clear();
   line.number(report.t);
-  for (const float ms : {report.image_ms, report.matching_ms, report.tracking_ms,
-                         report.mapping_ms, report.end_to_end_ms}) {
+  for (const float ms : {report.image_ms, report.matching_ms, report.tracking_ms, report.mapping_ms,
+                         report.end_to_end_ms}) {
     line.put(',').fixed(static_cast<double>(ms), 4);
   }
   line.put('\n');
@@ -196,6 +200,30 @@ void say_end(const CorePlan& plan, const bsp::Cycles& spent, TimeNs duration) {
   say(line);
 }
 
+void say_bench(const BenchResult& result) {
+  Text<160> line;
+  line.put(result.name).put(' ').put(result.unit).put(' ').unsigned_number(result.units);
+  line.put(" units ").unsigned_number(result.spent.cycles).put(" cycles ");
+  line.unsigned_number(result.spent.instructions).put(" instructions");
+  say(line);
+}
+
+// Two moments in motion, if the recording is long enough.
+int bench() {
+  constexpr uint32_t kMoving = 100;
+  const uint32_t frames = run.pack.header().frame_count;
+  if (frames < 2) {
+    bsp::console_write("bench: the recording needs two frames\n");
+    return kExitBadInput;
+  }
+  const uint32_t at = frames > kMoving + 1 ? kMoving : 0;
+  bsp::console_write(bsp::cycles_are_real()
+                         ? "bench: cycles counted by the processor (PMU)\n"
+                         : "bench: cycles counted by an emulator: one an instruction\n");
+  bench_kernels(run.pack.frame(at).image[0], run.pack.frame(at + 1).image[0], say_bench);
+  return kExitDone;
+}
+
 }  // namespace
 }  // namespace pirvs::board
 
@@ -213,6 +241,7 @@ int application() {
     return kExitBadInput;
   }
   if (open_recording() != Status::kOk) return kExitBadInput;
+  if (bsp::boot_argument("bench")) return bench();
   const int cores = number_argument("cores", kCores);
   if (cores < 1 || cores > kCores) {
     line.put("cores=: 1 to ").number(kCores);
@@ -232,6 +261,8 @@ int application() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   app.configure(calibration_of(run.pack), AppParams{}, sinks);
+  const bool profiled = bsp::boot_argument("profile");
+  if (profiled) profile_start();
   const bsp::Cycles before = bsp::read_cycles();
   const TimeNs begin = bsp::now();
   const Status status = app.run(kPlans[cores - 1], free ? Pace::kAsWeGo : Pace::kLockstep);
@@ -239,6 +270,7 @@ int application() {
   const TimeNs end = bsp::now();
   close_files();
   say_counters();
+  if (profiled) profile_say(run.frames);
   say_end(kPlans[cores - 1],
           {after.cycles - before.cycles, after.instructions - before.instructions}, end - begin);
   if (run.write_failed) bsp::console_write("the trajectory could not be written\n");
