@@ -38,6 +38,13 @@ Json evaluation_json(const Evaluation& e) {
       {"rpe_delta_s", e.delta_s},   {"rpe_m", number(e.rpe_m)},   {"rpe_deg", number(e.rpe_deg)}};
 }
 
+Json nees_json(const Nees& nees) {
+  if (!nees.ok) return nullptr;
+  Json out = {{"frames", nees.frames.size()}};
+  for (int part = 0; part < kNeesParts; ++part) out[kNeesNames[part]] = number(nees.mean[part]);
+  return out;
+}
+
 std::string summary(const RunInfo& info, const Recording& recording, const RunLog& log,
                     const RunResult& result, const std::vector<Count>& player_rejected) {
   Json timing = Json::object();
@@ -63,6 +70,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                        {"dropped", result.frames_dropped}}},
                      {"health_at_end", name(result.health_at_end)},
                      {"evaluation", evaluation_json(result.evaluation)},
+                     {"nees", nees_json(result.nees)},
                      {"timing_ms", timing},
                      {"keyframes", log.keyframes.size()},
                      {"points", log.points.size()},
@@ -85,6 +93,63 @@ std::string trajectory_tum(const RunResult& result) {
   std::string out;
   for (const TrajectoryPose& pose : result.trajectory.poses) {
     out += tum_line(pose.t, pose.p_WB, pose.q_WB);
+  }
+  return out;
+}
+
+void append(std::string& out, double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, ",%.9g", value);
+  out += text;
+}
+
+// The whole state at every frame that has a pose, with the upper triangle of the covariance of
+// theta, p, v, row by row.
+std::string state_csv(const RunLog& log) {
+  std::string out = "#t_ns,health,px,py,pz,qx,qy,qz,qw,vx,vy,vz,bgx,bgy,bgz,bax,bay,baz";
+  for (int i = 0; i < 9; ++i) {
+    for (int j = i; j < 9; ++j) out += ",cov" + std::to_string(i) + std::to_string(j);
+  }
+  out += "\n";
+  for (const FrameReport& frame : log.frames) {
+    if (!frame.has_pose) continue;
+    const BodyState& state = frame.pose.state;
+    out += std::to_string(frame.t) + "," + name(frame.pose.health);
+    for (int i = 0; i < 3; ++i) append(out, state.T_WB.p[i]);
+    const Vec4 q = quat_xyzw(state.T_WB.R);
+    for (int i = 0; i < 4; ++i) append(out, q[i]);
+    for (const Vec3* v : {&state.v_WB, &state.b_g, &state.b_a}) {
+      for (int i = 0; i < 3; ++i) append(out, (*v)[i]);
+    }
+    for (int i = 0; i < 9; ++i) {
+      for (int j = i; j < 9; ++j) append(out, frame.pose.cov(i, j));
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+// NEES, errors and sigmas at every frame, seconds since the first.
+std::string nees_csv(const RunLog& log, const Nees& nees) {
+  std::string out = "#t_s";
+  for (const char* part : kNeesNames) out += std::string(",") + part;
+  for (const char* what : {"error_", "sigma_"}) {
+    for (const char* part : kNeesNames) {
+      for (const char axis : {'x', 'y', 'z'}) out += "," + (what + std::string(part)) + "_" + axis;
+    }
+  }
+  out += "\n";
+  for (const NeesFrame& frame : nees.frames) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.3f", to_seconds(frame.t - log.frames.front().t));
+    out += text;
+    for (const double value : frame.nees) append(out, value);
+    for (const auto* vectors : {&frame.error, &frame.sigma}) {
+      for (const Vec3& v : *vectors) {
+        for (int i = 0; i < 3; ++i) append(out, v[i]);
+      }
+    }
+    out += "\n";
   }
   return out;
 }
@@ -162,6 +227,8 @@ void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& re
                      const RunLog& log, const RunResult& result,
                      const std::vector<Count>& player_rejected) {
   out.write("trajectory.tum", trajectory_tum(result));
+  out.write("state.csv", state_csv(log));
+  if (result.nees.ok) out.write("nees.csv", nees_csv(log, result.nees));
   out.write("keyframes.tum", keyframes_tum(log));
   out.write("map.ply", map_ply(log));
   out.write("timing.csv", timing_csv(log));

@@ -1,4 +1,5 @@
-// What    Writes a run's files: trajectory.tum, keyframes.tum, map.ply, timing.csv, summary.json.
+// What    Writes a run's files: trajectory.tum, state.csv, keyframes.tum, map.ply, timing.csv,
+//         nees.csv, summary.json.
 // In      The folder (made if it is not there), Recording, RunLog, RunResult.
 // Out     the files, as DESIGN.md describes them: each is written as NAME.part, and all get their
 //         names once the last one is complete.

@@ -22,6 +22,18 @@ bool lost(const FrameReport& frame) {
   return !frame.has_pose || frame.pose.health == HealthState::kLost;
 }
 
+TrajectoryPose trajectory_pose(TimeNs t, const BodyState& state) {
+  TrajectoryPose pose;
+  pose.t = t;
+  pose.t_s = double(t) / 1e9;
+  pose.p_WB = state.T_WB.p;
+  pose.q_WB = quat_xyzw(state.T_WB.R);
+  pose.v_WB = state.v_WB;
+  pose.b_g = state.b_g;
+  pose.b_a = state.b_a;
+  return pose;
+}
+
 void count_frames(const RunLog& log, RunResult& result) {
   bool started = false;
   for (const FrameReport& frame : log.frames) {
@@ -65,20 +77,19 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
     result.timing[i] = statistics(values);
   }
   for (const Count& pool : log.pools) result.pool_bytes += pool.value;
+  std::vector<StateEstimate> estimates;
   for (const FrameReport& frame : log.frames) {
     if (!frame.has_pose) continue;
-    TrajectoryPose pose;
-    pose.t = frame.t;
-    pose.t_s = double(frame.t) / 1e9;
-    pose.p_WB = frame.pose.state.T_WB.p;
-    pose.q_WB = quat_xyzw(frame.pose.state.T_WB.R);
-    pose.v_WB = frame.pose.state.v_WB;
-    pose.b_g = frame.pose.state.b_g;
-    pose.b_a = frame.pose.state.b_a;
+    const TrajectoryPose pose = trajectory_pose(frame.t, frame.pose.state);
     result.trajectory.poses.push_back(pose);
+    estimates.push_back({pose, Mat9(frame.pose.cov.topLeftCorner<9, 9>())});
   }
   if (!result.trajectory.poses.empty() && recording.truth.poses.size() > 1) {
     result.evaluation = evaluate(result.trajectory, recording.truth, kDelta_s);
+    if (!log.keyframes.empty()) {
+      const BodyState& first = log.keyframes.front();
+      result.nees = evaluate_nees(estimates, trajectory_pose(first.t, first), recording.truth);
+    }
   }
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
   if (log.frames.empty()) return result;

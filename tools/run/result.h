@@ -1,6 +1,6 @@
 // What    A run boiled down: what the summary, the report and the last lines on the screen say.
 // In      Recording, RunLog.
-// Out     Frame counts, timing statistics of each column, ATE and RPE, the verdict.
+// Out     Frame counts, timing statistics of each column, ATE, RPE and NEES, the verdict.
 // Units   ms of CPU time per stereo frame; m, deg.
 // Errors  none; without ground truth, evaluation.ok is false.
 // Source  DESIGN.md, "The front door" (summary.json).
@@ -10,6 +10,7 @@
 #include <string>
 
 #include "tools/eval/eval.h"
+#include "tools/eval/nees.h"
 #include "tools/run/run_log.h"
 
 namespace pirvs::tools {
@@ -45,6 +46,7 @@ struct RunResult {
   size_t pool_bytes = 0;
   Trajectory trajectory;  // what trajectory.tum holds
   Evaluation evaluation;
+  Nees nees;  // if the truth has velocities
   HealthState health_at_end = HealthState::kInitializing;
   bool done = false;  // tracking to the last frame
 
