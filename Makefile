@@ -6,7 +6,7 @@
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
-#   fuzzers   *.cc below tests/fuzz: the parsers' targets for libFuzzer; *_test.cc replays the corpus
+#   fuzzers   *.cc below tests/fuzz: the parsers' targets; *_test.cc there replays the corpus
 #   emulated  *.cc below tests/emulator: images without an operating system, run in QEMU
 #   benches   *_bench.cc: Google Benchmark
 SHELL := /bin/bash
@@ -90,8 +90,8 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench check format setup \
-  clean FORCE
+.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench check format \
+  setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
@@ -122,7 +122,8 @@ $(BUILD)/setup.stamp: tools/setup/packages.txt tools/setup/install
 $(BUILD)/prof/plugin.so: $(wildcard tools/prof/*.c tools/prof/*.h) | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	@echo "cc $<"
-	@gcc -O2 -Wall -Wextra -shared -fPIC -fvisibility=hidden $(filter %.c,$^) -o $@.$$$$ && mv $@.$$$$ $@
+	@gcc -O2 -Wall -Wextra -shared -fPIC -fvisibility=hidden $(filter %.c,$^) -o $@.$$$$ \
+	  && mv $@.$$$$ $@
 
 ifneq ($(BOARD),host)
 include board/$(BOARD)/board.mk

@@ -15,7 +15,6 @@
 namespace pirvs::systems {
 namespace {
 
-using tools::FrameReport;
 using tools::Recording;
 
 constexpr double kDark_s = 1.0;
@@ -84,8 +83,8 @@ std::vector<Motion> motions(const Recording& recording, double from_s, double be
     Motion motion{begin_s, 0, 0};
     for (auto p = at(begin_s); p + 1 < at(begin_s + kDark_s); ++p) {
       motion.speed_m_s += (p[1].p_WB - p[0].p_WB).norm() / kDark_s;
-      const Mat3 turn = rotation_from_quat_xyzw(p[0].q_WB).transpose() *
-                        rotation_from_quat_xyzw(p[1].q_WB);
+      const Mat3 turn =
+          rotation_from_quat_xyzw(p[0].q_WB).transpose() * rotation_from_quat_xyzw(p[1].q_WB);
       motion.turn_rad_s += so3_log(turn).norm() / kDark_s;
     }
     out.push_back(motion);
@@ -97,9 +96,8 @@ std::vector<Motion> motions(const Recording& recording, double from_s, double be
 std::vector<Motion> four_times(const Recording& recording, double from_s, double before_end_s) {
   const std::vector<Motion> all = motions(recording, from_s, before_end_s);
   const auto by = [&](auto cost) {
-    return *std::min_element(all.begin(), all.end(), [&](const Motion& a, const Motion& b) {
-      return cost(a) < cost(b);
-    });
+    return *std::min_element(all.begin(), all.end(),
+                             [&](const Motion& a, const Motion& b) { return cost(a) < cost(b); });
   };
   const Motion standing = by([](const Motion& m) { return m.speed_m_s; });
   const Motion fast = by([](const Motion& m) { return -m.speed_m_s; });
@@ -141,13 +139,14 @@ void expect_recovered(const Replay& run, const Motion& motion) {
   size_t found = light_at;
   while (found + 1 < frames.size() && frames[found].pose.health != HealthState::kTracking) ++found;
   const double after_s = to_seconds(frames[found].t - light);
-  std::printf("  dark from %.1f s at %.2f m/s, %.2f rad/s: confidence %.2f to %.2f to %.2f, "
-              "growth chi2 %.1f, tracking %.2f s after light\n",
-              motion.begin_s, motion.speed_m_s, motion.turn_rad_s,
-              double(frames[dark_at - 1].pose.trust.confidence),
-              double(frames[dark_at].pose.trust.confidence),
-              double(frames[light_at - 1].pose.trust.confidence),
-              growth_chi2(run, dark_at - 1, light_at - 1), after_s);
+  std::printf(
+      "  dark from %.1f s at %.2f m/s, %.2f rad/s: confidence %.2f to %.2f to %.2f, "
+      "growth chi2 %.1f, tracking %.2f s after light\n",
+      motion.begin_s, motion.speed_m_s, motion.turn_rad_s,
+      double(frames[dark_at - 1].pose.trust.confidence),
+      double(frames[dark_at].pose.trust.confidence),
+      double(frames[light_at - 1].pose.trust.confidence),
+      growth_chi2(run, dark_at - 1, light_at - 1), after_s);
   EXPECT_LE(after_s, 1.0);
   EXPECT_EQ(run.result.frames_lost, 0u);
   EXPECT_EQ(run.counter("starts"), 1u) << "without a restart";

@@ -18,7 +18,8 @@
 #define SCTLR_EL1_ON         (SCTLR_EL1_RES1 | 1 << 12 | 1 << 3 | 1 << 2 | 1)  // I, SA, C, M
 
 #define MAIR_EL1_KINDS       0xff04                   // 0: device nGnRE; 1: write-back memory
-#define TCR_EL1_4GIB         (32 | 1 << 8 | 1 << 10 | 3 << 12 | 1 << 23 | 2 << 32)  // T0SZ, WB, inner, EPD1
+// T0SZ, write back, inner, EPD1
+#define TCR_EL1_4GIB         (32 | 1 << 8 | 1 << 10 | 3 << 12 | 1 << 23 | 2 << 32)
 
 #define PAGE_BYTES           4096
 #define BLOCK_SHIFT          21

@@ -2,13 +2,13 @@
 
 #include "bsp/api/console.h"
 #include "bsp/bare/core_setup.h"
-#include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/bare/fault.h"
 #include "bsp/bare/firmware.h"
 #include "bsp/bare/interrupts.h"
 #include "bsp/bare/machine.h"
 #include "bsp/bare/semihosting.h"
 #include "bsp/bare/stacks.h"
+#include "bsp/drivers/device_tree/device_tree.h"
 #include "core/base/assert.h"
 #include "core/base/text.h"
 
@@ -62,7 +62,8 @@ void find_device_tree() {
 void find_recording() {
   const uint64_t begin = device_tree.initrd_begin, end = device_tree.initrd_end;
   if (end <= begin) return;
-  if (!is_free(begin, end)) fault_here("the recording overlaps the image or pools, or lies too high");
+  if (!is_free(begin, end))
+    fault_here("the recording overlaps the image or pools, or lies too high");
   map_read_only(begin, end);
 }
 

@@ -1,7 +1,8 @@
 // What the loader has handed over, and the end of the program.
 // In      The words of the command line (device tree, bootargs).
 // Out     boot_argument: is the word there, and the text behind "name=". boot_recording: the memory
-//         that the loader filled with a recording (its "initrd"), read-only; empty if there is none.
+//         that the loader filled with a recording (its "initrd"), read-only; empty if there is
+//         none.
 // Frames  none.
 // Errors  A device tree or recording that overlaps our own memory ends in a fault report.
 // Cost    boot_argument: one pass over the line.

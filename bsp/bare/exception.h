@@ -13,9 +13,9 @@ namespace pirvs::bsp {
 
 struct ExceptionFrame {
   uint64_t x[31];
-  uint64_t pc;     // ELR_EL1
-  uint64_t state;  // SPSR_EL1
-  uint64_t sp;     // SP_EL0, where the code's stack was
+  uint64_t pc;        // ELR_EL1
+  uint64_t state;     // SPSR_EL1
+  uint64_t sp;        // SP_EL0, where the code's stack was
   uint64_t syndrome;  // ESR_EL1
   uint64_t address;   // FAR_EL1
   uint64_t fpcr;

@@ -66,7 +66,8 @@ Status Pack::check() const {
 }
 
 bool Pack::image_fits(uint64_t offset, const PackedCamera& camera) const {
-  const uint64_t pixels = static_cast<uint64_t>(camera.width) * static_cast<uint64_t>(camera.height);
+  const uint64_t pixels =
+      static_cast<uint64_t>(camera.width) * static_cast<uint64_t>(camera.height);
   return offset % kPackAlign == 0 && offset <= header_->bytes && pixels <= header_->bytes - offset;
 }
 

@@ -8,9 +8,8 @@ namespace pirvs {
 namespace {
 
 constexpr int kDecimalsMax = 9;
-constexpr uint64_t kTen[kDecimalsMax + 1] = {1,         10,         100,         1'000,
-                                             10'000,    100'000,    1'000'000,   10'000'000,
-                                             100'000'000, 1'000'000'000};
+constexpr uint64_t kTen[kDecimalsMax + 1] = {
+    1, 10, 100, 1'000, 10'000, 100'000, 1'000'000, 10'000'000, 100'000'000, 1'000'000'000};
 constexpr double kFixedMax = 1e18;
 
 __extension__ using Wide = unsigned __int128;

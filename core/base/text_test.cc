@@ -47,7 +47,8 @@ TEST(text, fixed_rounds_exact_halves_to_even) {
 
 TEST(text, writes_integers) {
   Text<128> text;
-  text.number(INT64_MIN).put(' ').number(-7).put(' ').number(0).put(' ').unsigned_number(UINT64_MAX);
+  text.number(INT64_MIN).put(' ').number(-7).put(' ').number(0).put(' ').unsigned_number(
+      UINT64_MAX);
   EXPECT_STREQ(text.c_str(), "-9223372036854775808 -7 0 18446744073709551615");
   text.clear();
   text.unsigned_number(42, 9).put(' ').hex(0).put(' ').hex(0x12, 8).put(' ').hex(UINT64_MAX);

@@ -79,7 +79,8 @@ void App::deliver(const ImuSample& sample) {
   }
   tracking_ns_ += bsp::cpu_time() - begin;
   if (tracker_.running() && sinks_.pose != nullptr) {
-    sinks_.pose(sinks_.context, {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()});
+    sinks_.pose(sinks_.context,
+                {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()});
   }
 }
 

@@ -19,15 +19,15 @@ const char* name(HealthState state);
 
 // What a consumer can act on within one frame.
 struct Trust {
-  float confidence = 0;             // 0: do not use, 1: as good as it gets
-  uint32_t resets = 0;              // changes whenever the pose may have jumped
-  float jump_m = 0, jump_rad = 0;   // size of the last jump
+  float confidence = 0;            // 0: do not use, 1: as good as it gets
+  uint32_t resets = 0;             // changes whenever the pose may have jumped
+  float jump_m = 0, jump_rad = 0;  // size of the last jump
 };
 
 struct FrameEvidence {
   TimeNs t = 0;
-  int accepted = 0;             // correspondences
-  int cells = 0;                // of kCells in the image that hold one or more of them
+  int accepted = 0;  // correspondences
+  int cells = 0;     // of kCells in the image that hold one or more of them
   double position_sigma_m = 0;
   bool at_rest = false;
 };

@@ -97,14 +97,15 @@ struct KeyframeMessage {
   Observations observations[kCamerasMax];
   Preintegration from_previous;
   bool linked = false;
-  bool adjust = true;    // false: more keyframes follow at once (start-up)
+  bool adjust = true;  // false: more keyframes follow at once (start-up)
   uint16_t epoch = 0;
   bool restart = false;  // a start: nothing links it to the keyframe before
   bool renew = false;    // in place of the keyframe before
-  // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from now.
+  // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from
+  // now.
   bool join = false;
   uint16_t joining = 0;
-  SE3 T_join;  // a turn about the vertical and a shift
+  SE3 T_join;            // a turn about the vertical and a shift
   bool at_rest = false;  // the body stands still: its velocity is known to be zero
 };
 

@@ -245,8 +245,7 @@ void Mapper::create_point(Keyframe& keyframe, int camera, size_t index) {
 void Mapper::build() {
   bundle_.begin(camera_, noise_, params_);
   members_.clear();
-  const size_t window =
-      std::min(order_.size() - run_begin(), static_cast<size_t>(params_.window));
+  const size_t window = std::min(order_.size() - run_begin(), static_cast<size_t>(params_.window));
   const size_t window_begin = order_.size() - window;
   slide_prior(window_begin);
   choose_fixed(window_begin);

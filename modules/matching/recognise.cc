@@ -64,8 +64,8 @@ void Recogniser::find_pairs(const MapView& view, EpochRule rule, const Mat3& R_W
       if (distance > kDistance_bit_max || distance > kRatio_max * second) continue;
       (void)pairs_.push_back({static_cast<uint8_t>(c), static_cast<uint16_t>(i),
                               static_cast<uint16_t>(best), R_LC * f_C.normalized(),
-                              R_WB * camera_[c].T_BC.p,
-                              view.point(static_cast<uint16_t>(best)).p_W, false});
+                              R_WB * camera_[c].T_BC.p, view.point(static_cast<uint16_t>(best)).p_W,
+                              false});
     }
   }
 }
@@ -107,8 +107,7 @@ bool Recogniser::fit(const Pair* const* pairs, int count, Guess& out) {
 int Recogniser::score(const Guess& guess, bool mark) {
   int fits = 0;
   for (Pair& pair : pairs_) {
-    const Vec3 d =
-        turned_back(pair.p_W, guess.cos_turn, guess.sin_turn) - guess.s_L - pair.c_L;
+    const Vec3 d = turned_back(pair.p_W, guess.cos_turn, guess.sin_turn) - guess.s_L - pair.c_L;
     const double along = pair.f_L.dot(d), distance2 = d.squaredNorm();
     const bool good = along > kDistance_m_min && distance2 - along * along < kFit_rad2 * distance2;
     if (mark) pair.fits = good;

@@ -14,19 +14,19 @@ namespace pirvs {
 namespace {
 
 constexpr int kSightingsMin = 3;
-constexpr int kTracksMin = 20;             // that show parallax, or fit
-constexpr int kPairTracksMin = 12;         // in both keyframes of an epipolar pair
-constexpr int kPairGapMax = 4;             // keyframes apart
+constexpr int kTracksMin = 20;      // that show parallax, or fit
+constexpr int kPairTracksMin = 12;  // in both keyframes of an epipolar pair
+constexpr int kPairGapMax = 4;      // keyframes apart
 constexpr double kParallax_rad_min = 0.01;
 constexpr double kSigma_px = 1.0;
 constexpr double kHuber_sigma = 2.0;
 constexpr double kMisfit_px = 4.0;
-constexpr double kResidual_px_max = 1.5;   // rms of a fit
+constexpr double kResidual_px_max = 1.5;  // rms of a fit
 constexpr double kGyroBias_rad_s_max = 0.5;
 constexpr double kGyroBiasSigma_rad_s = 0.1;
 constexpr double kAccelBiasSigma_m_s2 = 0.2;
-constexpr double kDistance_m_min = 0.05;   // nearer points are wrong
-constexpr double kCaution2 = 4.0;          // twice the formal sigma: samples have errors, too
+constexpr double kDistance_m_min = 0.05;  // nearer points are wrong
+constexpr double kCaution2 = 4.0;         // twice the formal sigma: samples have errors, too
 
 Mat32 tangent_of(const Vec3& g) {
   Mat32 basis;
@@ -237,8 +237,8 @@ bool MonoStarter::solve_linear(const ImuWindow& imu, MonoStart& out) {
   // Gravity's direction to begin with: the mean force, turned into B0.
   Vec3 force_B0 = Vec3::Zero();
   for (const Frame& frame : frames_) {
-    const auto* sample = std::find_if(imu.begin(), imu.end(),
-                                      [&](const ImuSample& s) { return s.t >= frame.t; });
+    const auto* sample =
+        std::find_if(imu.begin(), imu.end(), [&](const ImuSample& s) { return s.t >= frame.t; });
     if (sample != imu.end()) force_B0 += frame.motion.dR * sample->f_B;
   }
   if (frames_.back().motion.dt_s <= 0 || force_B0.norm() < 1e-3) return false;

@@ -149,8 +149,7 @@ TEST(mono_start, state_covariance_follows_the_unknowns) {
   Case c(12);
   ASSERT_EQ(c.solve(9), Status::kOk);
   const TimeNs t = c.keyframes.back().state.t;
-  const Preintegration motion =
-      integrate(c.imu, 0, t, c.start.b_g, c.start.b_a, ImuNoise{});
+  const Preintegration motion = integrate(c.imu, 0, t, c.start.b_g, c.start.b_a, ImuNoise{});
   const Mat15 cov = mono_start_cov(c.start, motion, Mat3::Identity());
   EXPECT_LT((cov - cov.transpose()).norm(), 1e-12);
   const double h = 1e-4;

@@ -342,8 +342,8 @@ void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
     motion = integrate(imu_, keyframes_[0].state.t, t, start.b_g, start.b_a, noise_);
     const double dt_s = motion.dt_s;
     message.state.T_WB.R = R_WB0 * motion.dR;
-    message.state.T_WB.p = origin.p + R_WB0 * (start.v_B0 * dt_s + 0.5 * dt_s * dt_s * start.g_B0 +
-                                               motion.dp);
+    message.state.T_WB.p =
+        origin.p + R_WB0 * (start.v_B0 * dt_s + 0.5 * dt_s * dt_s * start.g_B0 + motion.dp);
     message.state.v_WB = R_WB0 * (start.v_B0 + start.g_B0 * dt_s + motion.dv);
     message.state.b_g = start.b_g;
     message.state.b_a = start.b_a;

@@ -10,8 +10,8 @@
 namespace pirvs {
 namespace {
 
-constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;  // cameras, a bit each
-constexpr size_t kTracksSeeing = 8;                            // fewer: the camera sees nothing
+constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;   // cameras, a bit each
+constexpr size_t kTracksSeeing = 8;                             // fewer: the camera sees nothing
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
 
 }  // namespace
@@ -148,8 +148,9 @@ void Tracker::associate(const MapSnapshot& snapshot, Frontend* frontends) {
     FixedVector<Entry, kTracksMax> sorted;
     for (size_t i = 0; i < tracks.size(); ++i) {
       const MapPoint* point = view_.find(tracks[i].landmark);
-      const bool freed = point == nullptr || point->epoch != view_.epoch() || (snapshot.keyframe == sequence_ && point->in_newest &&
-                                              point->track[c] != tracks[i].id);
+      const bool freed =
+          point == nullptr || point->epoch != view_.epoch() ||
+          (snapshot.keyframe == sequence_ && point->in_newest && point->track[c] != tracks[i].id);
       if (freed) tracks[i].landmark = LandmarkId{};
       (void)sorted.push_back({tracks[i].id, static_cast<uint16_t>(i)});
     }
@@ -388,7 +389,8 @@ bool Tracker::try_join(TimeNs t, Frontend* frontends) {
 // A pair gives depth at once, so one camera alone is looked through only when the other stays away.
 Status Tracker::try_start(TimeNs t, uint8_t seen, Frontend* frontends) {
   const bool alone = seen == kLeftAlone || seen == kRightAlone;
-  const bool waits = cameras_ > 1 && to_seconds(t - last_pair_t_) < params_.tracker.start_mono_after_s;
+  const bool waits =
+      cameras_ > 1 && to_seconds(t - last_pair_t_) < params_.tracker.start_mono_after_s;
   if (seen == 0 || (alone && waits)) return Status::kEmpty;
   if (!starter_.idle() && seen != start_cameras_) starter_.reset();
   start_cameras_ = seen;
@@ -466,10 +468,11 @@ void Tracker::start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& re
 void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
   const bool alone = seen == kLeftAlone || seen == kRightAlone;
   const bool no_depth = alone && view_.own_points() == 0 && standstill_.at_rest();
-  const bool waits = light_since_ != 0 &&
-                     to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
+  const bool waits =
+      light_since_ != 0 && to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
   if (seen == 0 || joining_ || waits) return;
-  if (!(no_depth ? rest_keyframe_due(t) : keyframe_due(t, frontends[seen == kRightAlone ? 1 : 0]))) {
+  if (!(no_depth ? rest_keyframe_due(t)
+                 : keyframe_due(t, frontends[seen == kRightAlone ? 1 : 0]))) {
     return;
   }
   stereo_pairs_.clear();

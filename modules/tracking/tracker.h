@@ -118,8 +118,8 @@ class Tracker {
   bool running_ = false;
   uint8_t start_cameras_ = 0;  // that the attempt to start looks through, a bit each
   TimeNs last_pair_t_ = 0;     // when both cameras last saw something
-  SE3 origin_;           // where a restart continues
-  SE3 T_WB_last_frame_;  // for flow prediction
+  SE3 origin_;                 // where a restart continues
+  SE3 T_WB_last_frame_;        // for flow prediction
   TimeNs last_frame_t_ = 0;
   Mat3 R_B0B_last_ = Mat3::Identity();
   Preintegration since_keyframe_;
@@ -128,9 +128,9 @@ class Tracker {
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
   bool place_known_ = true;          // this epoch is the map's first, or was joined to it
   TimeNs last_recognise_t_ = 0;
-  TimeNs light_since_ = 0;           // blind no longer, but the place not yet recognised; 0: neither
-  bool located_ = false;             // matches have been enough since the start
-  bool joining_ = false;             // mapping carries this epoch over to another by T_join_
+  TimeNs light_since_ = 0;  // blind no longer, but the place not yet recognised; 0: neither
+  bool located_ = false;    // matches have been enough since the start
+  bool joining_ = false;    // mapping carries this epoch over to another by T_join_
   SE3 T_join_;
   Recogniser recogniser_;
   Recognition recognition_;

@@ -1,5 +1,5 @@
-"""Below tools no object needs a heap, exceptions, OpenCV or the C library's mathematics; an image of
-a board without an operating system holds none of these, nor the C library's input and output.
+"""Below tools no object needs a heap, exceptions, OpenCV or the C library's mathematics; an image
+of a board without an operating system holds none of these, nor the C library's input and output.
 
 The C library's sin, exp ... differ in the last bit from machine to machine; core/math/trig.h is the
 same everywhere.

@@ -27,8 +27,8 @@ std::function<int()> declare(CLI::App& app) {
   return [o] {
     const Recording recording = open_recording(o->sequence, o->recording);
     Progress progress("packing", recording.frames.size());
-    const size_t bytes = write_pack(recording, o->out,
-                                    [&](size_t done, size_t) { progress.update(done); });
+    const size_t bytes =
+        write_pack(recording, o->out, [&](size_t done, size_t) { progress.update(done); });
     std::printf("%s: %zu frames, %zu IMU samples, %.1f s, %.1f MB\n", o->out.c_str(),
                 recording.frames.size(), recording.imu.size(), recording.duration_s(),
                 double(bytes) * 1e-6);

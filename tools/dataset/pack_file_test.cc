@@ -28,7 +28,9 @@ struct Packed {
   TestRecording folder;
   std::string path = folder.path("recording.pack");
 
-  size_t pack() { return write_pack(open_recording(folder.folder(), {}), path, [](size_t, size_t) {}); }
+  size_t pack() {
+    return write_pack(open_recording(folder.folder(), {}), path, [](size_t, size_t) {});
+  }
   std::string error_of(const std::string& bytes) const {
     write(path, bytes);
     try {
@@ -59,7 +61,8 @@ TEST(pack, plays_what_the_folder_plays) {
   EXPECT_EQ(packed.pack(), std::filesystem::file_size(packed.path));
   const Recording folder = open_recording(packed.folder.folder(), {});
   const Recording pack = open_recording(packed.path, {});
-  for (int c = 0; c < 2; ++c) expect_equal(folder.calibration.camera[c], pack.calibration.camera[c]);
+  for (int c = 0; c < 2; ++c)
+    expect_equal(folder.calibration.camera[c], pack.calibration.camera[c]);
   EXPECT_EQ(folder.calibration.imu.gyro_noise, pack.calibration.imu.gyro_noise);
   EXPECT_EQ(folder.calibration.imu.accel_walk, pack.calibration.imu.accel_walk);
   EXPECT_EQ(folder.calibration.camera_time_offset, pack.calibration.camera_time_offset);
@@ -79,7 +82,8 @@ TEST(pack, plays_what_the_folder_plays) {
     EXPECT_EQ(a->present, frames == 3 ? 1 : 3);
     for (int c = 0; c < 2; ++c) {
       for (int y = 0; y < a->image[c].height; ++y) {
-        EXPECT_EQ(std::memcmp(a->image[c].row(y), b->image[c].row(y), size_t(a->image[c].width)), 0);
+        EXPECT_EQ(std::memcmp(a->image[c].row(y), b->image[c].row(y), size_t(a->image[c].width)),
+                  0);
       }
     }
     folder_player.pop();

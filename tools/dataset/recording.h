@@ -1,5 +1,6 @@
 // What    What a recorded folder holds: calibration, frames (file names), IMU samples, ground
-// truth. In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are needed; cam1 and
+// truth. In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0
+// are needed; cam1 and
 //         state_groundtruth_estimate0 (or groundtruth.tum) are used if they are there.
 // Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.

@@ -44,8 +44,7 @@ Nees evaluate_nees(const std::vector<StateEstimate>& estimates, const Trajectory
   Nees out;
   TrajectoryPose at;
   if (!truth.full_state || !truth_at(truth, first.t_s, at)) return out;
-  const Mat3 R_EW =
-      heading(rotation_from_quat_xyzw(first.q_WB), rotation_from_quat_xyzw(at.q_WB));
+  const Mat3 R_EW = heading(rotation_from_quat_xyzw(first.q_WB), rotation_from_quat_xyzw(at.q_WB));
   const Vec3 p_EW = first.p_WB - R_EW * at.p_WB;
   constexpr int kBlock[kNeesParts] = {3, 0, 6};  // of p, theta, v in the covariance
   for (const StateEstimate& estimate : estimates) {

@@ -47,19 +47,25 @@ def goals(headers):
 
 def printed(text):
     """{kernel: Printed} of what the program said."""
-    return {name: Printed(unit, int(units), int(cycles), int(instructions))
-            for name, unit, units, cycles, instructions in PRINTED.findall(text)}
+    return {
+        name: Printed(unit, int(units), int(cycles), int(instructions))
+        for name, unit, units, cycles, instructions in PRINTED.findall(text)
+    }
 
 
 def costs(pieces):
     """{kernel: Cost} of the scopes bench.NAME."""
-    return {piece.place[len(SCOPE):]: piece.cost for piece in pieces if piece.place.startswith(SCOPE)}
+    return {
+        piece.place[len(SCOPE) :]: piece.cost for piece in pieces if piece.place.startswith(SCOPE)
+    }
 
 
 def table(all_costs, said, wanted, only=""):
     """One line per kernel, in the order of the run."""
-    lines = [f"{'kernel':20}{'unit':>10}{'instructions':>14}{'A72 cycles':>12}{'goal':>9}{'':>8}"
-             f"{'caches':>8}{'branches':>10}{'A53 cycles':>12}"]
+    lines = [
+        f"{'kernel':20}{'unit':>10}{'instructions':>14}{'A72 cycles':>12}{'goal':>9}{'':>8}"
+        f"{'caches':>8}{'branches':>10}{'A53 cycles':>12}"
+    ]
     for name, cost in all_costs.items():
         if only not in name:
             continue
@@ -73,6 +79,10 @@ def table(all_costs, said, wanted, only=""):
                 raise GoalError(f"{name}: the goal is for a {goal_unit}, the bench counts {unit}s")
             verdict = "met" if cycles <= goal else "MISSED"
             goal = f"{goal:g}"
-        lines.append(f"{name:20}{unit:>10}{cost.instructions / units:14.2f}{cycles:12.2f}{goal:>9}{verdict:>8}"
-                     f"{cost.cache[A72] / whole:7.0f}%{cost.branch[A72] / whole:9.0f}%{cost.cycles(A53) / units:12.2f}")
+        lines.append(
+            f"{name:20}{unit:>10}{cost.instructions / units:14.2f}{cycles:12.2f}"
+            f"{goal:>9}{verdict:>8}"
+            f"{cost.cache[A72] / whole:7.0f}%{cost.branch[A72] / whole:9.0f}%"
+            f"{cost.cycles(A53) / units:12.2f}"
+        )
     return "\n".join(lines)

@@ -38,7 +38,9 @@ class Program:
         if pointer is None:
             return f"{place:#x}"
         at = self._offset(struct.unpack("<Q", pointer)[0])
-        return self._data[at:self._data.index(0, at)].decode() if at is not None else f"{place:#x}"
+        return (
+            self._data[at : self._data.index(0, at)].decode() if at is not None else f"{place:#x}"
+        )
 
     def _offset(self, address):
         for start, offset, size in self._segments:
@@ -48,7 +50,7 @@ class Program:
 
     def _read(self, address, size):
         at = self._offset(address)
-        return None if at is None else self._data[at:at + size]
+        return None if at is None else self._data[at : at + size]
 
 
 def _load_segments(data):
@@ -58,7 +60,9 @@ def _load_segments(data):
     size, count = struct.unpack_from("<HH", data, 54)
     out = []
     for i in range(count):
-        kind, _, at, address, _, bytes_in_file = struct.unpack_from("<IIQQQQ", data, offset + i * size)
+        kind, _, at, address, _, bytes_in_file = struct.unpack_from(
+            "<IIQQQQ", data, offset + i * size
+        )
         if kind == 1:  # PT_LOAD
             out.append((address, at, bytes_in_file))
     return out
@@ -80,9 +84,12 @@ def readable(name):
 
 def _functions(path):
     nm = next(tool for tool in TOOLS if shutil.which(tool))
-    mangled = subprocess.run([nm, "--defined-only", path], capture_output=True, text=True, check=True)
-    demangled = subprocess.run([nm, "--defined-only", "-C", path], capture_output=True, text=True,
-                               check=True)
+    mangled = subprocess.run(
+        [nm, "--defined-only", path], capture_output=True, text=True, check=True
+    )
+    demangled = subprocess.run(
+        [nm, "--defined-only", "-C", path], capture_output=True, text=True, check=True
+    )
     out = {}
     for plain, pretty in zip(mangled.stdout.splitlines(), demangled.stdout.splitlines()):
         address, kind, name = plain.split(" ", 2)

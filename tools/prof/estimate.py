@@ -10,25 +10,40 @@ import record
 #   L2 hit: 14 and 13 cycles more than an L1 hit.
 #   memory: 120 ns on LPDDR3/4, in sequence 64 bytes at 7 and 3.5 GB/s.
 PENALTY = {
-    "cortex-a72": {"l1_miss": 14, "l1_miss_in_sequence": 2,
-                   "l2_miss": 216, "l2_miss_in_sequence": 16},
-    "cortex-a53": {"l1_miss": 13, "l1_miss_in_sequence": 3,
-                   "l2_miss": 168, "l2_miss_in_sequence": 26},
+    "cortex-a72": {
+        "l1_miss": 14,
+        "l1_miss_in_sequence": 2,
+        "l2_miss": 216,
+        "l2_miss_in_sequence": 16,
+    },
+    "cortex-a53": {
+        "l1_miss": 13,
+        "l1_miss_in_sequence": 3,
+        "l2_miss": 168,
+        "l2_miss_in_sequence": 26,
+    },
 }
 # A branch that was predicted wrongly: the pipeline is filled anew.
 MISPREDICTED_PENALTY = {"cortex-a72": 15, "cortex-a53": 8}
 GHZ = {"cortex-a72": 1.8, "cortex-a53": 1.4}
 
 COLUMNS = ("image", "matching", "tracking", "mapping")
-COLUMN_OF_PLACE = {"frontend": "image", "matching": "matching", "tracking": "tracking",
-                   "door.frame": "tracking", "imu": "tracking", "mapping": "mapping"}
+COLUMN_OF_PLACE = {
+    "frontend": "image",
+    "matching": "matching",
+    "tracking": "tracking",
+    "door.frame": "tracking",
+    "imu": "tracking",
+    "mapping": "mapping",
+}
 OUTSIDE = "outside"  # the schedule, waiting, output
 FRAME_BEGINS = "door.frame"
 
 
 class Cost:
-    """Instructions, and per core: cycles in the pipeline, waiting for caches and after branches that
+    """Instructions, and per core: cycles in the pipeline, waiting for caches, after branches that
     were predicted wrongly."""
+
     __slots__ = ("instructions", "pipeline", "cache", "branch")
 
     def __init__(self):
@@ -135,7 +150,7 @@ class Frame:
 
 
 def frames(all_pieces):
-    """One Frame per camera frame. What ran before the first one is left out, and so is the last one,
+    """One Frame per camera frame. What ran before the first is left out, and so is the last one,
     since nothing marks where its work ends."""
     out = collections.defaultdict(Frame)
     for piece in all_pieces:
@@ -144,7 +159,9 @@ def frames(all_pieces):
         frame = out[piece.frame]
         column = COLUMN_OF_PLACE.get(piece.place, OUTSIDE)
         frame.column[column].add(piece.cost)
-        order = piece.order if piece.place in ("frontend", "matching", "tracking", "door.frame") else 0
+        order = (
+            piece.order if piece.place in ("frontend", "matching", "tracking", "door.frame") else 0
+        )
         frame.task[piece.place, order].add(piece.cost)
         for name, cost in piece.functions.items():
             frame.function[column, name].add(cost)
@@ -168,13 +185,17 @@ def per_function(all_frames):
 
 
 def explain_worst(all_frames, core):
-    """Index of the costliest frame, and by how much each function exceeds its median, largest first."""
+    """Index of the costliest frame; how far each function exceeds its median, largest first."""
     worst = max(range(len(all_frames)), key=lambda i: all_frames[i].end_to_end(core))
     keys = {key for key in all_frames[worst].function if key[0] != OUTSIDE}
     excess = []
     for key in keys:
-        median = quantiles([frame.function[key].cycles(core) if key in frame.function else 0.0
-                            for frame in all_frames])[1]
+        median = quantiles(
+            [
+                frame.function[key].cycles(core) if key in frame.function else 0.0
+                for frame in all_frames
+            ]
+        )[1]
         excess.append((all_frames[worst].function[key].cycles(core) - median, median, key))
     excess.sort(reverse=True)
     return worst, excess

@@ -31,13 +31,22 @@ def tool(name):
 
 def disassemble(words):
     """One line of assembly per 32-bit instruction word; None where it is no instruction."""
-    text = "\n".join(" ".join(f"0x{word >> shift & 255:02x}" for shift in (0, 8, 16, 24))
-                     for word in words)
-    run = subprocess.run([tool("llvm-mc"), "-triple=aarch64", "-mattr=" + FEATURES, "-disassemble"],
-                         input=text, capture_output=True, text=True, check=False)
+    text = "\n".join(
+        " ".join(f"0x{word >> shift & 255:02x}" for shift in (0, 8, 16, 24)) for word in words
+    )
+    run = subprocess.run(
+        [tool("llvm-mc"), "-triple=aarch64", "-mattr=" + FEATURES, "-disassemble"],
+        input=text,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
     bad = {int(line) for line in re.findall(r"<stdin>:(\d+):\d+: warning: invalid", run.stderr)}
-    good = iter(line.strip() for line in run.stdout.splitlines()
-                if line.startswith("\t") and not line.startswith("\t.text"))
+    good = iter(
+        line.strip()
+        for line in run.stdout.splitlines()
+        if line.startswith("\t") and not line.startswith("\t.text")
+    )
     return [None if i + 1 in bad else next(good) for i in range(len(words))]
 
 
@@ -56,17 +65,33 @@ def _analyse(core, blocks):
     """Leaves out the instructions that the model does not know, one kind after the other."""
     while True:
         run = subprocess.run(
-            [tool("llvm-mca"), "-mtriple=aarch64", "-mattr=" + FEATURES, "-mcpu=" + core,
-             f"-iterations={ITERATIONS}", "-json", "-all-views=false", "-summary-view"],
-            input=assembly(blocks), capture_output=True, text=True, check=False)
+            [
+                tool("llvm-mca"),
+                "-mtriple=aarch64",
+                "-mattr=" + FEATURES,
+                "-mcpu=" + core,
+                f"-iterations={ITERATIONS}",
+                "-json",
+                "-all-views=false",
+                "-summary-view",
+            ],
+            input=assembly(blocks),
+            capture_output=True,
+            text=True,
+            check=False,
+        )
         if run.returncode == 0:
             return parse(run.stdout)
-        unknown = re.search(r"unsupported instruction.*note: instruction:\s+(\S+)", run.stderr, re.S)
+        unknown = re.search(
+            r"unsupported instruction.*note: instruction:\s+(\S+)", run.stderr, re.S
+        )
         if not unknown:
             raise RuntimeError(f"llvm-mca: {run.stderr.strip()[:500]}")
         mnemonic = unknown.group(1)
-        blocks = [(i, [x for x in lines if x is not None and x.split()[0] != mnemonic])
-                  for i, lines in blocks]
+        blocks = [
+            (i, [x for x in lines if x is not None and x.split()[0] != mnemonic])
+            for i, lines in blocks
+        ]
         blocks = [(i, lines) for i, lines in blocks if lines]
 
 
@@ -75,8 +100,10 @@ def parse(text):
     out = {}
     for region in json.loads(text)["CodeRegions"]:
         summary = region["SummaryView"]
-        out[int(region["Name"])] = (summary["TotalCycles"] / summary["Iterations"],
-                                    summary["BlockRThroughput"])
+        out[int(region["Name"])] = (
+            summary["TotalCycles"] / summary["Iterations"],
+            summary["BlockRThroughput"],
+        )
     return out
 
 
@@ -101,11 +128,11 @@ def cycles(core, blocks):
     flat = disassemble([word for block in blocks for word in block])
     at, work = 0, []
     for i, block in enumerate(blocks):
-        lines = flat[at:at + len(block)]
+        lines = flat[at : at + len(block)]
         at += len(block)
         if any(line is not None for line in lines):
             work.append((i, lines))
-    chunks = [work[i:i + BLOCKS_A_RUN] for i in range(0, len(work), BLOCKS_A_RUN)]
+    chunks = [work[i : i + BLOCKS_A_RUN] for i in range(0, len(work), BLOCKS_A_RUN)]
     found = {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         for part in pool.map(lambda chunk: _analyse(core, chunk), chunks):

@@ -1,4 +1,7 @@
-"""Tests of the profiler's parts on small inputs: python3 -m unittest discover -s tools/prof -p '*_test.py'."""
+"""Tests of the profiler's parts on small inputs.
+
+python3 -m unittest discover -s tools/prof -p '*_test.py'
+"""
 
 import os
 import struct
@@ -26,24 +29,36 @@ PLACES = {1: "door.frame", 2: "frontend", 3: "matching", 4: "tracking", 5: "mapp
 
 
 def block_bytes(number, address, words):
-    return b"B" + struct.pack("<IQI", number, address, len(words)) + struct.pack(
-        f"<{len(words)}I", *words)
+    return (
+        b"B"
+        + struct.pack("<IQI", number, address, len(words))
+        + struct.pack(f"<{len(words)}I", *words)
+    )
 
 
 def segment_bytes(cpu, place, why, mark, executions, events=()):
-    return (b"S" + struct.pack("<IQBQQII", cpu, place, ord(why), mark, 0, len(executions), len(events))
-            + b"".join(struct.pack("<II", *pair) for pair in list(executions) + list(events)))
+    return (
+        b"S"
+        + struct.pack("<IQBQQII", cpu, place, ord(why), mark, 0, len(executions), len(events))
+        + b"".join(struct.pack("<II", *pair) for pair in list(executions) + list(events))
+    )
 
 
 def scope(cpu, outer, place, executions, events=()):
     """A scope that does nothing but these executions, entered from an outer place."""
-    return [segment_bytes(cpu, outer, "b", place, []),
-            segment_bytes(cpu, place, "e", place, executions, events)]
+    return [
+        segment_bytes(cpu, outer, "b", place, []),
+        segment_bytes(cpu, place, "e", place, executions, events),
+    ]
 
 
 def frame(cpu_right, left, right, tracking, mapping):
     """The segments of one frame: how often each task executes block 0."""
-    parts = scope(0, 0, 1, [(0, 1)]) + scope(0, 0, 2, [(0, left)]) + scope(cpu_right, 0, 2, [(0, right)])
+    parts = (
+        scope(0, 0, 1, [(0, 1)])
+        + scope(0, 0, 2, [(0, left)])
+        + scope(cpu_right, 0, 2, [(0, right)])
+    )
     parts += [segment_bytes(0, 0, "b", 4, [])] + scope(0, 4, 3, [(0, 2)])
     parts += [segment_bytes(0, 4, "e", 4, [(0, tracking)])]
     return parts + scope(2, 0, 5, [(0, mapping)])
@@ -65,8 +80,13 @@ class Recorded(unittest.TestCase):
 
 class RecordTest(Recorded):
     def test_reads_what_was_written(self):
-        blocks, segments = self.read([block_bytes(0, 0x1000, [1, 2]), block_bytes(1, 0x2000, [3]),
-                                      segment_bytes(3, 7, "b", 9, [(0, 5), (1, 6)], [(17, 4)])])
+        blocks, segments = self.read(
+            [
+                block_bytes(0, 0x1000, [1, 2]),
+                block_bytes(1, 0x2000, [3]),
+                segment_bytes(3, 7, "b", 9, [(0, 5), (1, 6)], [(17, 4)]),
+            ]
+        )
         self.assertEqual([(b.address, b.words) for b in blocks], [(0x1000, (1, 2)), (0x2000, (3,))])
         self.assertEqual(segments[0][:4], (3, 7, "b", 9))
         self.assertEqual((segments[0].executions, segments[0].events), ((0, 5, 1, 6), (17, 4)))
@@ -106,13 +126,15 @@ class EstimateTest(Recorded):
 
     def test_functions_sum_to_the_total(self):
         frames, _ = self.frames(frame(1, 5, 7, 3, 11) + frame(1, 1, 1, 1, 1))
-        self.assertEqual(sum(cost.cycles(0) for cost in frames[0].function.values()),
-                         frames[0].end_to_end(0))
+        self.assertEqual(
+            sum(cost.cycles(0) for cost in frames[0].function.values()), frames[0].end_to_end(0)
+        )
 
     def test_misses_cost_their_penalty_on_their_core(self):
         kind = record.EVENT_NAMES.index("data_l2_miss")
-        parts = scope(0, 0, 1, []) + scope(0, 0, 2, [(0, 1)],
-                                           [(kind, 3), (record.EVENTS_PER_CORE + kind, 2)])
+        parts = scope(0, 0, 1, []) + scope(
+            0, 0, 2, [(0, 1)], [(kind, 3), (record.EVENTS_PER_CORE + kind, 2)]
+        )
         frames, _ = self.frames(parts + scope(0, 0, 1, []))
         cost = frames[0].column["image"]
         self.assertEqual(cost.cache[0], 3 * estimate.PENALTY["cortex-a72"]["l2_miss"])
@@ -143,35 +165,55 @@ class TablesTest(Recorded):
         parts = frame(1, 5, 7, 3, 11) + frame(1, 1, 1, 1, 1)
         frames, _ = self.frames(parts, block_cycles=3e6)
         text = tables.report(frames, "how")
-        self.assertIn("goal image processing           36.000 M of 22 M A72 cycles, p99 36.000 M: MISSED", text)
+        self.assertIn(
+            "goal image processing           36.000 M of 22 M A72 cycles, p99 36.000 M: MISSED",
+            text,
+        )
         self.assertIn("because of f (36.00 M)", text)
-        self.assertIn("goal end to end, all cores      87.000 M of 90 M A72 cycles, p99 87.000 M: met", text)
+        self.assertIn(
+            "goal end to end, all cores      87.000 M of 90 M A72 cycles, p99 87.000 M: met", text
+        )
         self.assertIn("What the estimate leaves out", text)
 
 
 class BenchTest(Recorded):
-    HEADERS = {"a.h": "// Cost    5 ns\n// Goal    A72 cycles: f 11 a call, g 2.5 an iteration (make bench).\nint x;\n",
-               "b.h": "// Goal    A72 cycles: h 4 a pixel.\n"}
-    SAID = "boot\nbench.f call 4 units 40 cycles 44 instructions\nbench.g iteration 2 units 8 cycles 9 instructions\n"
+    HEADERS = {
+        "a.h": "// Cost    5 ns\n"
+        "// Goal    A72 cycles: f 11 a call, g 2.5 an iteration (make bench).\nint x;\n",
+        "b.h": "// Goal    A72 cycles: h 4 a pixel.\n",
+    }
+    SAID = (
+        "boot\nbench.f call 4 units 40 cycles 44 instructions\n"
+        "bench.g iteration 2 units 8 cycles 9 instructions\n"
+    )
 
     def costs(self):
-        blocks, segments = self.read([block_bytes(0, 0x1000, [ADD_X0_X0_1] * 4)]
-                                     + scope(0, 0, 8, [(0, 4)]) + scope(0, 0, 9, [(0, 2)]))
+        blocks, segments = self.read(
+            [block_bytes(0, 0x1000, [ADD_X0_X0_1] * 4)]
+            + scope(0, 0, 8, [(0, 4)])
+            + scope(0, 0, 9, [(0, 2)])
+        )
         model = estimate.Model(blocks, ["f"], [[(10.0, 1.0)], [(20.0, 1.0)]])
         names = {8: "bench.f", 9: "bench.g"}
         return bench.costs(estimate.pieces(segments, model, lambda place: names.get(place, "")))
 
     def test_reads_goals_and_what_the_program_said(self):
-        self.assertEqual(bench.goals(self.HEADERS),
-                         {"f": (11.0, "call"), "g": (2.5, "iteration"), "h": (4.0, "pixel")})
+        self.assertEqual(
+            bench.goals(self.HEADERS),
+            {"f": (11.0, "call"), "g": (2.5, "iteration"), "h": (4.0, "pixel")},
+        )
         self.assertEqual(bench.printed(self.SAID)["g"], ("iteration", 2, 8, 9))
 
     def test_compares_per_unit(self):
         text = bench.table(self.costs(), bench.printed(self.SAID), bench.goals(self.HEADERS))
         f, g = text.splitlines()[1:]
-        self.assertEqual(f.split(), ["f", "call", "4.00", "10.00", "11", "met", "0%", "0%", "20.00"])
+        self.assertEqual(
+            f.split(), ["f", "call", "4.00", "10.00", "11", "met", "0%", "0%", "20.00"]
+        )
         self.assertEqual(g.split()[:6], ["g", "iteration", "4.00", "10.00", "2.5", "MISSED"])
-        self.assertEqual(len(bench.table(self.costs(), bench.printed(self.SAID), {}, "g").splitlines()), 2)
+        self.assertEqual(
+            len(bench.table(self.costs(), bench.printed(self.SAID), {}, "g").splitlines()), 2
+        )
 
     def test_refuses_a_goal_that_cannot_be_read_or_counts_something_else(self):
         with self.assertRaises(bench.GoalError):
@@ -191,9 +233,14 @@ class BenchTest(Recorded):
 class TimelineTest(Recorded):
     def test_cores_overlap_and_wait_for_each_other(self):
         _, pieces = self.frames(frame(0, 5, 7, 3, 11) + frame(0, 1, 1, 1, 1), block_cycles=1800.0)
-        found = [(thread, name, round(begin), round(begin + length))
-                 for thread, name, _, begin, length, _ in timeline.events(pieces) if length > 0]
-        self.assertEqual(found[:3], [(0, "door.frame", 0, 1), (0, "frontend", 1, 6), (1, "frontend", 1, 8)])
+        found = [
+            (thread, name, round(begin), round(begin + length))
+            for thread, name, _, begin, length, _ in timeline.events(pieces)
+            if length > 0
+        ]
+        self.assertEqual(
+            found[:3], [(0, "door.frame", 0, 1), (0, "frontend", 1, 6), (1, "frontend", 1, 8)]
+        )
         self.assertEqual(found[3], (0, "matching", 8, 10))  # waits for the slower side
         self.assertEqual(found[4][:3], (0, "tracking", 10))
         self.assertEqual(found[5][:3], (2, "mapping", 13))
@@ -203,17 +250,22 @@ class TimelineTest(Recorded):
 class PipelineTest(unittest.TestCase):
     def test_disassembles_and_keeps_places_of_what_is_no_instruction(self):
         lines = pipeline.disassemble([ADD_X0_X0_1, 0xFFFFFFFF, ADD_X1_X1_1])
-        self.assertEqual([line and line.split() for line in lines],
-                         [["add", "x0,", "x0,", "#1"], None, ["add", "x1,", "x1,", "#1"]])
+        self.assertEqual(
+            [line and line.split() for line in lines],
+            [["add", "x0,", "x0,", "#1"], None, ["add", "x1,", "x1,", "#1"]],
+        )
 
     def test_parses_the_summary(self):
-        text = ('{"CodeRegions": [{"Name": "4", "SummaryView": {"Iterations": 10, "TotalCycles": 55,'
-                '"BlockRThroughput": 2.5}}]}')
+        text = (
+            '{"CodeRegions": [{"Name": "4", "SummaryView": {"Iterations": 10, "TotalCycles": 55,'
+            '"BlockRThroughput": 2.5}}]}'
+        )
         self.assertEqual(pipeline.parse(text), {4: (5.5, 2.5)})
 
     def test_dependent_instructions_cost_their_latency_and_others_their_width(self):
         chain, wide, system = pipeline.cycles(
-            "cortex-a72", [(FMUL_D0_D0_D0,) * 4, (ADD_X0_X0_1, ADD_X1_X1_1), (MRS_CNTVCT,)])
+            "cortex-a72", [(FMUL_D0_D0_D0,) * 4, (ADD_X0_X0_1, ADD_X1_X1_1), (MRS_CNTVCT,)]
+        )
         self.assertGreater(chain[0], 4 * 3)  # four products, each waiting for the one before
         self.assertLess(chain[1], chain[0])
         self.assertLess(wide[0], 1.5)
@@ -230,8 +282,10 @@ class PipelineTest(unittest.TestCase):
 class ElfTest(unittest.TestCase):
     def test_readable(self):
         self.assertEqual(elf.readable("pirvs::Frontend::follow()"), "Frontend::follow")
-        self.assertEqual(elf.readable("bool pirvs::lk::align<pirvs::(anonymous namespace)::Neon>(int)"),
-                         "lk::align")
+        self.assertEqual(
+            elf.readable("bool pirvs::lk::align<pirvs::(anonymous namespace)::Neon>(int)"),
+            "lk::align",
+        )
         self.assertEqual(elf.readable("main"), "main")
 
     def test_finds_functions_and_names_of_places(self):
@@ -241,9 +295,28 @@ class ElfTest(unittest.TestCase):
         root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "program")
-            subprocess.run(["g++", "-std=c++17", "-O1", "-no-pie", "-nostdlib", "-static", "-Wl,-e,entry", "-I", root,
-                            "-x", "c++", "-", os.path.join(root, "core/trace/mark.cc"), "-o", path],
-                           input=source, text=True, check=True)
+            subprocess.run(
+                [
+                    "g++",
+                    "-std=c++17",
+                    "-O1",
+                    "-no-pie",
+                    "-nostdlib",
+                    "-static",
+                    "-Wl,-e,entry",
+                    "-I",
+                    root,
+                    "-x",
+                    "c++",
+                    "-",
+                    os.path.join(root, "core/trace/mark.cc"),
+                    "-o",
+                    path,
+                ],
+                input=source,
+                text=True,
+                check=True,
+            )
             program = elf.Program(path)
             nm = subprocess.run(["nm", path], capture_output=True, text=True, check=True).stdout
             address = {line.split()[2]: int(line.split()[0], 16) for line in nm.splitlines()}

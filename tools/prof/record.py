@@ -13,13 +13,20 @@ EVENTS_PER_CORE = 8
 MISPREDICTED = EVENTS_PER_CORE * len(CORES)  # the same for all cores
 EVENTS_PER_BLOCK = MISPREDICTED + 1
 EVENT_NAMES = (
-    "fetch_l1_miss", "fetch_l1_miss_in_sequence", "fetch_l2_miss", "fetch_l2_miss_in_sequence",
-    "data_l1_miss", "data_l1_miss_in_sequence", "data_l2_miss", "data_l2_miss_in_sequence")
+    "fetch_l1_miss",
+    "fetch_l1_miss_in_sequence",
+    "fetch_l2_miss",
+    "fetch_l2_miss_in_sequence",
+    "data_l1_miss",
+    "data_l1_miss_in_sequence",
+    "data_l2_miss",
+    "data_l2_miss_in_sequence",
+)
 
 Block = collections.namedtuple("Block", "address words")
 Segment = collections.namedtuple(
-    "Segment",
-    "cpu place why mark instructions_before executions events")  # both flat: key, count, key ...
+    "Segment", "cpu place why mark instructions_before executions events"
+)  # both flat: key, count, key ...
 
 _BLOCK = struct.Struct("<IQI")
 _SEGMENT = struct.Struct("<IQBQQII")
@@ -30,7 +37,7 @@ class RecordError(Exception):
 
 
 def read(path):
-    """Returns the list of blocks, by id, and the list of segments in the order in which they ended."""
+    """Returns the list of blocks, by id, and that of segments in the order in which they ended."""
     with open(path, "rb") as file:
         data = memoryview(file.read())
     blocks, segments = [], []

@@ -47,14 +47,33 @@ def events(pieces):
 
 
 def trace_json(pieces):
-    out = [{"ph": "M", "pid": 1, "tid": t, "name": "thread_name", "args": {"name": name}}
-           for t, name in enumerate(THREADS)]
-    out.append({"ph": "M", "pid": 1, "name": "process_name",
-                "args": {"name": "RK3399, estimated from instruction counts"}})
+    out = [
+        {"ph": "M", "pid": 1, "tid": t, "name": "thread_name", "args": {"name": name}}
+        for t, name in enumerate(THREADS)
+    ]
+    out.append(
+        {
+            "ph": "M",
+            "pid": 1,
+            "name": "process_name",
+            "args": {"name": "RK3399, estimated from instruction counts"},
+        }
+    )
     for thread, name, frame, begin, length, cost in events(pieces):
-        out.append({"ph": "X", "pid": 1, "tid": thread, "name": name, "ts": round(begin, 3),
-                    "dur": round(length, 3),
-                    "args": {"frame": frame, "instructions": cost.instructions,
-                             "A72 cycles": round(cost.cycles(A72)),
-                             "A53 cycles": round(cost.cycles(A53))}})
+        out.append(
+            {
+                "ph": "X",
+                "pid": 1,
+                "tid": thread,
+                "name": name,
+                "ts": round(begin, 3),
+                "dur": round(length, 3),
+                "args": {
+                    "frame": frame,
+                    "instructions": cost.instructions,
+                    "A72 cycles": round(cost.cycles(A72)),
+                    "A53 cycles": round(cost.cycles(A53)),
+                },
+            }
+        )
     return {"traceEvents": out, "displayTimeUnit": "ms"}

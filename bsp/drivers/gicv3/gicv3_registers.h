@@ -30,9 +30,9 @@ inline constexpr Register kGICR_IPRIORITYR = {"GICR_IPRIORITYR", 0x10400, Access
 inline constexpr Register kDistributor[] = {kGICD_CTLR,      kGICD_TYPER,     kGICD_IGROUPR,
                                             kGICD_ISENABLER, kGICD_ICENABLER, kGICD_IPRIORITYR,
                                             kGICD_IROUTER};
-inline constexpr Register kRedistributor[] = {
-    kGICR_CTLR,       kGICR_TYPER_HIGH, kGICR_WAKER,     kGICR_IGROUPR0,
-    kGICR_ISENABLER0, kGICR_ICENABLER0, kGICR_IPRIORITYR};
+inline constexpr Register kRedistributor[] = {kGICR_CTLR,      kGICR_TYPER_HIGH, kGICR_WAKER,
+                                              kGICR_IGROUPR0,  kGICR_ISENABLER0, kGICR_ICENABLER0,
+                                              kGICR_IPRIORITYR};
 static_assert(is_table(kDistributor) && is_table(kRedistributor));
 
 inline constexpr uint32_t kGicdCtlrEnableGrp1 = 1u << 1;
