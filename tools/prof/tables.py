@@ -38,9 +38,9 @@ GOALS = (
 LEFT_OUT = """What the estimate leaves out: misses of the TLB, stores that a later load reads,
 prefetchers other than for lines in sequence, contention for L2 and memory between cores and with
 the cameras' DMA, the bandwidth of a memory that others use, interrupts of a real sensor, clocks
-below 1.8 / 1.4 GHz when hot. Caches and branch prediction are models of usual size, not the chip's own. Pessimistic:
-random misses do not overlap, and a straight-line block depends on its last run. Instructions are
-counted exactly."""
+below 1.8 / 1.4 GHz when hot. Caches and branch prediction are models of usual size, not the
+chip's own. Pessimistic: random misses do not overlap, and a straight-line block depends on its
+last run. Instructions are counted exactly."""
 
 
 def ms(cycles, core):
