@@ -55,7 +55,7 @@ const std::string& short_pack() {
   static const std::string pack = [] {
     const std::string folder = scratch_folder("prof_pack");
     tools::RecordingOptions options;
-    options.duration_s = 0.5;
+    options.duration_s = 1.0;  // long enough to start
     const tools::Recording* const real = clip();
     const std::string source = real ? real->folder : simulated(SimulatedDevice::kEuroc).folder;
     tools::write_pack(tools::open_recording(source, options), folder + "/recording.pack",
