@@ -171,7 +171,8 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 	PIRVS_FUZZ=$(T) $(OUT_FUZZ)/fuzz -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 \
 	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
 
-test-emulator: $(OUT)/emulator_tests $(if $(ONE_BY_ONE),test-system) ## images in the emulator alone
+PROF_PLUGIN := $(BUILD)/prof/plugin.so
+test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(if $(ONE_BY_ONE),test-system) ## images in QEMU
 	@$(MAKE) --no-print-directory BOARD=qemu-virt all
 	@$(MAKE) --no-print-directory BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json

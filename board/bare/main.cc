@@ -119,7 +119,7 @@ int number_argument(const char* word, int fallback) {
   if (!bsp::boot_argument(word, text, sizeof text) || text[0] == 0) return fallback;
   int value = 0;
   for (const char* c = text; *c != 0; ++c) {
-    if (*c < '0' || *c > '9' || value > 99'999) return fallback;
+    if (*c < '0' || *c > '9' || value > 99'999) return -1;  // no number: out of every range
     value = 10 * value + (*c - '0');
   }
   return value;
