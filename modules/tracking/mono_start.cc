@@ -46,8 +46,8 @@ Vec3 smallest_eigenvector(const Mat3& M) {
 double huber_weight(double e) { return e > kHuber_sigma ? kHuber_sigma / e : 1.0; }
 
 double huber_cost(double e2) {
-  constexpr double k = kHuber_sigma;
-  return e2 <= k * k ? e2 : 2 * k * std::sqrt(e2) - k * k;
+  constexpr double kLinear_from = kHuber_sigma * kHuber_sigma;
+  return e2 <= kLinear_from ? e2 : 2 * kHuber_sigma * std::sqrt(e2) - kLinear_from;
 }
 
 MonoStart moved(const MonoStart& at, const Eigen::Matrix<double, MonoStart::kUnknowns, 1>& d) {
