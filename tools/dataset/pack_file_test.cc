@@ -58,7 +58,8 @@ void expect_equal(const Camera& a, const Camera& b) {
 TEST(pack, plays_what_the_folder_plays) {
   Packed packed;
   std::filesystem::remove(packed.folder.image(1, 3));  // a frame without its right image
-  EXPECT_EQ(packed.pack(), std::filesystem::file_size(packed.path));
+  const size_t bytes = packed.pack();
+  EXPECT_EQ(bytes, std::filesystem::file_size(packed.path));
   const Recording folder = open_recording(packed.folder.folder(), {});
   const Recording pack = open_recording(packed.path, {});
   for (int c = 0; c < 2; ++c)

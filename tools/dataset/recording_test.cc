@@ -148,7 +148,7 @@ TEST(recording, bad_calibrations_are_named) {
       {"[50.0, 51.0,", "[.nan, 51.0,", "intrinsics"},
       {"data: [1, 0,", "data: [2, 0,", "not a rotation"},
       {"T_BS:", "{T_BS:", "not YAML"},
-      {"resolution: [64, 48]", "resolution: [640, 48]", "distortion turns back"},
+      {"[-0.1, 0.01, 0.001, 0.002]", "[-1.5, 0.01, 0.001, 0.002]", "distortion turns back"},
       {"rate_hz: 20", "timeshift_cam_imu: soon", "timeshift_cam_imu"},
       {"rate_hz: 20", "timeshift_cam_imu: 5", "time offset"},
       {"[50.0, 51.0, 31.5,", "[50.0, 51.0, 131.5,", "cam0: give cx"}};
