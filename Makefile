@@ -172,7 +172,8 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
 
 PROF_PLUGIN := $(BUILD)/prof/plugin.so
-test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(if $(ONE_BY_ONE),test-system) ## images in QEMU
+IN_TURN := $(if $(ONE_BY_ONE),test-system)
+test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
 	@$(MAKE) --no-print-directory BOARD=qemu-virt all
 	@$(MAKE) --no-print-directory BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json

@@ -52,7 +52,7 @@ def check(tree, options):
     cache = Path(options.work) / "tidy"
     cache.mkdir(exist_ok=True)
     # Tests and benches are left out: the macros of their libraries are not ours to name. So is what
-    # only AArch64 without an operating system compiles: registers and an ABI with names of their own.
+    # only AArch64 without an operating system compiles: registers, an ABI with names of its own.
     sources = [p for p in tree if p.endswith(".cc") and not p.startswith(("tests/", *BARE))
                and not re.search(r"_(test|bench)\.cc$", p)]
 
