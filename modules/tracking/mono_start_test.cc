@@ -118,13 +118,23 @@ TEST(mono_start, wrong_tracks_do_not_carry_it_away) {
 }
 
 // Constant speed looks the same at every scale: the solution must know that it does not know.
+// Where there is no fit at all, the points have collapsed onto the camera.
 TEST(mono_start, without_acceleration_there_is_no_scale) {
-  Case c(8);
-  c.sway.amplitude_m = Vec3(0, 40, 0);
-  c.sway.omega_rad_s = Vec3(0, 0.02, 0);
-  c.sway.omega_angle_rad_s.setZero();
-  EXPECT_NE(c.solve(9), Status::kOk);  // which refusal is a matter of the tracks
-  EXPECT_GT(c.start.scale_sigma, 0.1);
+  int fits = 0;
+  for (uint32_t seed = 1; seed <= 12; ++seed) {
+    Case c(seed);
+    c.sway.amplitude_m = Vec3(0, 40, 0);
+    c.sway.omega_rad_s = Vec3(0, 0.02, 0);
+    c.sway.omega_angle_rad_s.setZero();
+    for (Vec3& point : c.points) point += c.sway.state(0).T_WB.p;  // in front of the camera
+    const Status status = c.solve(9);
+    ASSERT_TRUE(status == Status::kBadData || status == Status::kStale) << seed << name(status);
+    if (status == Status::kStale) continue;
+    ++fits;
+    EXPECT_GT(c.start.scale_sigma, 0.1) << seed;
+    EXPECT_GT(c.start.tracks, 20) << seed;
+  }
+  EXPECT_GE(fits, 3);
 }
 
 TEST(mono_start, without_parallax_there_is_nothing) {

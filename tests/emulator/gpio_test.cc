@@ -33,26 +33,25 @@ std::vector<Edge> edges_of(const MachineRun& run) {
 
 TEST(qemu_virt_gpio, an_edge_is_stamped_in_the_handler_and_reported) {
   constexpr size_t kEdges = 12;
-  constexpr double kEvery_s = 0.02, kPoll_s = 0.1;  // five edges are waiting by then
+  // Far enough apart that a loaded host does not merge two; five are waiting when polled.
+  constexpr double kEvery_s = 0.1, kPoll_s = 0.5;
   const MachineRun run =
       run_tool("tools/emulator/edges --image " + image_of("qemu-virt") +
-               " --line 3 --every 0.02 --edges " + std::to_string(kEdges) + " watch_poll_ms=100");
+               " --line 3 --every 0.1 --edges " + std::to_string(kEdges) + " watch_poll_ms=500");
   EXPECT_EQ(run.status, 0) << run.console;
   const std::vector<Edge> edges = edges_of(run);
   ASSERT_EQ(edges.size(), kEdges) << run.console;
-  EXPECT_EQ(edges[0].level, 1);
   double waited_s_max = 0.0;
-  int turns = 0;
   for (size_t i = 0; i < kEdges; ++i) {
     EXPECT_EQ(edges[i].pin, "0.3");
+    EXPECT_EQ(edges[i].level, i % 2 == 0 ? 1 : 0) << run.console;
     EXPECT_LE(edges[i].t_s, edges[i].polled_s);
     waited_s_max = std::max(waited_s_max, edges[i].polled_s - edges[i].t_s);
     if (i == 0) continue;
-    EXPECT_GT(edges[i].t_s, edges[i - 1].t_s) << run.console;
-    turns += edges[i].level != edges[i - 1].level ? 1 : 0;
+    // The host's clock; a loaded host may wait longer, never shorter.
+    EXPECT_GT(edges[i].t_s - edges[i - 1].t_s, kEvery_s / 2) << run.console;
   }
-  EXPECT_GE(turns, 6) << "up and down, but for those that a loaded host merged:\n" << run.console;
-  EXPECT_GT(edges.back().t_s - edges[0].t_s, kEvery_s * (kEdges - 1) / 2) << run.console;
+  EXPECT_GT(edges.back().t_s - edges[0].t_s, kEvery_s * (kEdges - 2)) << run.console;
   EXPECT_GT(waited_s_max, kPoll_s / 4) << "stamps that follow the polling:\n" << run.console;
 }
 
