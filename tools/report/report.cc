@@ -352,6 +352,16 @@ std::string health_section(const Source& s) {
   if (s.log.health.size() > kRowsMax) {
     out += format("<tr><td colspan=3>and %zu more</td></tr>", s.log.health.size() - kRowsMax);
   }
+  out += "</table></div>\n";
+  out += format("<p>Confidence: mean %.2f, lowest %.2f; %zu frames degraded.</p>\n",
+                s.result.confidence.mean, s.result.confidence_min, s.result.frames_degraded);
+  out += "<div class='card scroll'><table class=left><tr><th>time</th><th>jump of the pose</th></tr>";
+  for (size_t i = 0; i < std::min(kRowsMax, s.result.jumps.size()); ++i) {
+    const PoseJump& jump = s.result.jumps[i];
+    out += format("<tr><td>%.3f s</td><td>%.3f m, %.2f deg</td></tr>", s.time(jump.t),
+                  double(jump.jump_m), double(jump.jump_rad) * 180 / M_PI);
+  }
+  if (s.result.jumps.empty()) out += "<tr><td colspan=2>none</td></tr>";
   return out + "</table></div>\n";
 }
 

@@ -45,6 +45,19 @@ Json nees_json(const Nees& nees) {
   return out;
 }
 
+Json health_json(const RunResult& result) {
+  Json jumps = Json::array();
+  for (const PoseJump& jump : result.jumps) {
+    jumps.push_back({{"t_ns", jump.t}, {"m", jump.jump_m}, {"rad", jump.jump_rad}});
+  }
+  return {{"at_end", name(result.health_at_end)},
+          {"frames_degraded", result.frames_degraded},
+          {"confidence_mean", result.confidence.mean},
+          {"confidence_min", result.confidence_min},
+          {"resets", result.resets},
+          {"jumps", jumps}};
+}
+
 std::string summary(const RunInfo& info, const Recording& recording, const RunLog& log,
                     const RunResult& result, const std::vector<Count>& player_rejected) {
   Json timing = Json::object();
@@ -69,6 +82,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                        {"before_start", result.frames_before_start},
                        {"dropped", result.frames_dropped}}},
                      {"health_at_end", name(result.health_at_end)},
+                     {"health", health_json(result)},
                      {"evaluation", evaluation_json(result.evaluation)},
                      {"nees", nees_json(result.nees)},
                      {"timing_ms", timing},

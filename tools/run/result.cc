@@ -49,6 +49,22 @@ void count_frames(const RunLog& log, RunResult& result) {
   result.frames_dropped = result.frames_in - std::min(result.frames_in, log.frames.size());
 }
 
+void count_trust(const RunLog& log, RunResult& result) {
+  std::vector<double> confidence;
+  for (const FrameReport& frame : log.frames) {
+    const Trust& trust = frame.pose.trust;
+    if (trust.resets != result.resets) {
+      result.jumps.push_back({frame.t, trust.jump_m, trust.jump_rad});
+    }
+    result.resets = trust.resets;
+    if (frame.pose.health == HealthState::kDegraded) ++result.frames_degraded;
+    if (frame.has_pose) confidence.push_back(double(trust.confidence));
+  }
+  result.confidence = statistics(confidence);
+  if (confidence.empty()) return;
+  result.confidence_min = *std::min_element(confidence.begin(), confidence.end());
+}
+
 }  // namespace
 
 Statistics statistics(std::vector<double> values) {
@@ -71,6 +87,7 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
   result.frames_in = recording.frames.size();
   result.duration_s = recording.duration_s();
   count_frames(log, result);
+  count_trust(log, result);
   for (size_t i = 0; i < kTimingColumns.size(); ++i) {
     std::vector<double> values;
     for (const FrameReport& f : log.frames) values.push_back(double(f.*kTimingColumns[i].field));

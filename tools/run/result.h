@@ -8,6 +8,7 @@
 
 #include <array>
 #include <string>
+#include <vector>
 
 #include "tools/eval/eval.h"
 #include "tools/eval/nees.h"
@@ -34,6 +35,12 @@ inline constexpr std::array<TimingColumn, 5> kTimingColumns = {{
     {"end_to_end_ms", "End-to-end", &FrameReport::end_to_end_ms},
 }};
 
+// The pose jumped at the frame at t, or since the frame before.
+struct PoseJump {
+  TimeNs t = 0;
+  float jump_m = 0, jump_rad = 0;  // of the last, should there have been several
+};
+
 struct RunResult {
   size_t frames_in = 0;            // of the recording, or of the part asked for
   size_t frames_tracked = 0;       // with a pose and not lost
@@ -48,6 +55,11 @@ struct RunResult {
   Evaluation evaluation;
   Nees nees;  // if the truth has velocities
   HealthState health_at_end = HealthState::kInitializing;
+  size_t frames_degraded = 0;
+  Statistics confidence;  // of frames with a pose
+  double confidence_min = 0;
+  uint32_t resets = 0;
+  std::vector<PoseJump> jumps;
   bool done = false;  // tracking to the last frame
 
   int exit_status() const;

@@ -24,6 +24,9 @@ RunLog make_log(int lost) {
     frame.pose.health = i < 10           ? HealthState::kInitializing
                         : i < 100 - lost ? HealthState::kTracking
                                          : HealthState::kLost;
+    frame.pose.trust.confidence = i == 50 ? 0.25f : 0.75f;
+    frame.pose.trust.resets = i < 10 ? 0 : i < 50 ? 1 : 3;
+    frame.pose.trust.jump_m = i < 50 ? 0.0f : 0.125f;
     frame.pose.state.t = frame.t;
     frame.pose.cov.setZero();
     frame.pose.state.T_WB.p = Vec3(0.1 * i, 0.01 * i, 0);
@@ -78,6 +81,11 @@ TEST(run, result_counts_frames_and_judges) {
   EXPECT_TRUE(good.evaluation.ok);
   EXPECT_LT(good.evaluation.ate_rmse_m, 0.02);
   EXPECT_EQ(good.timing[0].max, 100);
+  EXPECT_EQ(good.resets, 3u);
+  ASSERT_EQ(good.jumps.size(), 2u) << "two in one frame are told as one";
+  EXPECT_EQ(good.jumps[1].t, kBegin + 50 * TimeNs{50'000'000});
+  EXPECT_FLOAT_EQ(good.jumps[1].jump_m, 0.125f);
+  EXPECT_FLOAT_EQ(good.confidence_min, 0.25f);
   const RunResult bad = make_result(recording, make_log(5), Status::kOk);
   EXPECT_EQ(bad.frames_lost, 5u);
   EXPECT_EQ(bad.exit_status(), 1);
