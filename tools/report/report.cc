@@ -355,7 +355,8 @@ std::string health_section(const Source& s) {
   out += "</table></div>\n";
   out += format("<p>Confidence: mean %.2f, lowest %.2f; %zu frames degraded.</p>\n",
                 s.result.confidence.mean, s.result.confidence_min, s.result.frames_degraded);
-  out += "<div class='card scroll'><table class=left><tr><th>time</th><th>jump of the pose</th></tr>";
+  out +=
+      "<div class='card scroll'><table class=left><tr><th>time</th><th>jump of the pose</th></tr>";
   for (size_t i = 0; i < std::min(kRowsMax, s.result.jumps.size()); ++i) {
     const PoseJump& jump = s.result.jumps[i];
     out += format("<tr><td>%.3f s</td><td>%.3f m, %.2f deg</td></tr>", s.time(jump.t),
