@@ -2,14 +2,15 @@
 // In      An output as the board numbers them; period, width and phase of its pulses: the first one
 //         begins when now() is `phase_ns` past a multiple of the period.
 // Out     trigger_start: when the first pulse began, on the clock of now(), and the period that the
-//         hardware really keeps (it counts ticks of its own clock): pulse k begins at
-//         first_t + k * period_ns. trigger_stop leaves the output inactive.
+//         hardware really keeps (it counts ticks of its own clock): pulse k begins at first_t + k *
+//         period_ns. trigger_stop leaves the output inactive.
 // Frames  none.
 // Errors  kNotFound: no such output. kBadData: width or phase not below the period, or a pulse
 //         shorter than a tick. kTimeout: the start could not be timed to kTriggerError in three
 //         tries (interrupted each time); the output is inactive.
 // Cost    trigger_start waits for the phase, up to three periods: for set-up. The rest, two
-// accesses. Source  DESIGN, "One way for the data": a frame's stamp is that of its trigger.
+//         accesses.
+// Source  DESIGN, "One way for the data": a frame's stamp is that of its trigger.
 #pragma once
 
 #include <cstdint>

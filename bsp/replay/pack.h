@@ -1,10 +1,10 @@
 // A recording packed into one block of bytes: what a boot loader puts in RAM, and what tools/pack
 // writes. The sensors of bsp/replay can be fed from it without a copy.
 // In      A block of memory, 64-byte aligned, that stays as it is while the recording plays.
-// Out     open(): calibration and counts; source(): for replay_start.
-// Layout  PackHeader; imu_count PackedSample; frame_count PackedFrame; then the images as they
-//         are, 8-bit grey, rows without gaps, each at a multiple of 64. Little endian. The checksum
-//         covers everything but itself.
+// Out     open(): calibration and counts; source(): for replay_start. Layout PackHeader; imu_count
+//         PackedSample; frame_count PackedFrame; then the images as they are, 8-bit grey, rows
+//         without gaps, each at a multiple of 64. Little endian. The checksum covers everything but
+//         itself.
 // Frames  B = the IMU; R_BC row by row, p_BC in m; t in ns, each sensor's own stamps.
 // Errors  kNotFound: no magic, so no recording. kStale: another version. kBadData: shorter than it
 //         says, a count or an offset beyond the end, a wrong checksum, images of size zero.

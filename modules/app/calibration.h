@@ -1,7 +1,8 @@
-// What a device's calibration says, as every part of the stack uses it.
+// What    a device's calibration says, as every part of the stack uses it.
 // Frames  B = the IMU; each Camera carries T_BC. camera[0] is the left, camera[1] the right one.
 // Units   camera_time_offset: t_imu_clock = t_camera_stamp + offset, ns (Kalibr's
-// timeshift_cam_imu). Source  PIRVS paper, section II (factory calibration).
+//         timeshift_cam_imu).
+// Source  PIRVS paper, section II (factory calibration).
 #pragma once
 
 #include "core/base/time.h"

@@ -1,7 +1,7 @@
 // Tells IMU samples that a body can have felt from those that a fault has made.
 // In      put(): raw samples as they come; finish(): no more will come, what is in doubt is
-// dropped. Out     get(): the good ones, stamps rising. A sample that looks like a spike, or whose
-// stamp is
+//         dropped.
+// Out     get(): the good ones, stamps rising. A sample that looks like a spike, or whose stamp is
 //         far ahead, waits for the next one to be judged: band-limited sensors do not jump for one
 //         sample. broken: time does not connect to the sample before.
 // Units   rad/s, m/s^2, ns.

@@ -2,10 +2,12 @@
 // In      consecutive samples (w_B rad/s, f_B m/s^2) and the biases they are linearized at.
 // Out     dR = R_B0B1, dv_B0, dp_B0 (gravity left out), first-order bias Jacobians, covariance.
 // Frames  B0, B1: body at the first, last sample. Error order of the covariance: theta (in B1), v,
-// p. Errors  none; dt_s <= 0 is a bug (the sensor door orders samples). Cost    ~0.35 us a sample,
-// x86-64; no memory beyond the object. Source  Forster, Carlone, Dellaert, Scaramuzza, T-RO 2017,
-// eqs. 26, 33-45, 59-63, midpoint samples;
-//         the relative IMU constraint that the PIRVS paper names as future work (section V.B).
+//         p.
+// Errors  none; dt_s <= 0 is a bug (the sensor door orders samples).
+// Cost    ~0.35 us a sample, x86-64; no memory beyond the object.
+// Source  Forster, Carlone, Dellaert, Scaramuzza, T-RO 2017, eqs. 26, 33-45, 59-63, midpoint
+//         samples; the relative IMU constraint that the PIRVS paper names as future work (section
+//         V.B).
 #pragma once
 
 #include "core/math/types.h"

@@ -1,8 +1,7 @@
-// What is known of the window's oldest keyframe from all that came before it: one 15 x 15 prior,
+// What    is known of the window's oldest keyframe from all that came before it: one 15 x 15 prior,
 // carried from keyframe to keyframe as the window slides, each IMU link used once.
 // In      a start's convention and expectations; then, for each keyframe that leaves the window,
-// its
-//         link to the next and both refined states.
+//         its link to the next and both refined states.
 // Out     cost e' information e - 2 gradient' e with e = x [-] mean, for the bundle.
 // Frames  error order theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  advance() over a missing link forgets velocity and keeps the biases.

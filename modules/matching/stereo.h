@@ -5,7 +5,7 @@
 // Errors  a named, counted rejection (StereoLoss).
 // Cost    ~8 us a point on x86-64, of which half is the scan.
 // Source  PIRVS paper, section IV.C ("search for spatial correspondences using epipolar
-// constraint").
+//         constraint").
 #pragma once
 
 #include "core/camera/camera.h"

@@ -1,6 +1,7 @@
 // TableText of tables in memory of a fixed size, without the C library: numbers as every reader of
-// text gets them back exactly. In      Words, integers, doubles. Out     view(), size(). A double
-// comes out short where ten decimals say it exactly, otherwise
+// text gets them back exactly.
+// In      Words, integers, doubles.
+// Out     view(), size(). A double comes out short where ten decimals say it exactly, otherwise
 //         with 18 digits; "nan", "inf".
 // Frames  none.
 // Errors  What does not fit is a bug and asserts: the caller keeps room().

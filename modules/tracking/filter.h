@@ -1,7 +1,9 @@
 // The iterated error-state Kalman filter: the only writer of the tracked state and its covariance.
 // In      IMU samples in order; 3D-2D correspondences of both cameras; standstill
-// pseudo-measurements. Out     BodyState and its 15 x 15 covariance, error order theta (in B,
-// right), p, v (in W), b_g, b_a. Frames  W: world, z up; B: IMU; gravity is (0, 0, -kGravity) in W.
+//         pseudo-measurements.
+// Out     BodyState and its 15 x 15 covariance, error order theta (in B, right), p, v (in W), b_g,
+//         b_a.
+// Frames  W: world, z up; B: IMU; gravity is (0, 0, -kGravity) in W.
 // Errors  correspondences are gated one by one; the gate's verdict is left in each of them.
 // Cost    propagate ~3 us a sample, update ~0.25 us a correspondence and iteration, x86-64.
 // Source  PIRVS paper, eqs. 1 to 6; Bell, Cathey, TAC 1993 (iterated EKF as Gauss-Newton).

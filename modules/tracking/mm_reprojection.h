@@ -2,8 +2,11 @@
 // In      pose of the body, the correspondence, the camera. n ~ N(0, sigma_px^2 I) and, through the
 //         projection, point_cov_scale times the point's own covariance.
 // Out     residual uv - h (2), J = d h / d (theta, p) (2 x 6), covariance R of the residual (2 x
-// 2). Frames  W, B, C; theta in B (right), p in W. Errors  false: behind the camera or outside its
-// model; the outputs are then undefined. Cost    ~40 ns, x86-64. Source  PIRVS paper, eq. 6.
+//         2).
+// Frames  W, B, C; theta in B (right), p in W.
+// Errors  false: behind the camera or outside its model; the outputs are then undefined.
+// Cost    ~40 ns, x86-64.
+// Source  PIRVS paper, eq. 6.
 #pragma once
 
 #include "core/camera/camera.h"

@@ -6,8 +6,9 @@
 // Frames  B0: body at the first frame of the attempt. W: gravity along -z, heading and place of
 //         `origin`.
 // Errors  kStale: the attempt failed (too few points, poor fit) and begins anew with the next
-// frame. Cost    ~0.3 ms a frame while starting, one 6 x 6 solve at the end. Source  Martinelli,
-// IJCV 2014 (closed form, with known relative poses); Qin, Li, Shen, T-RO 2018,
+//         frame.
+// Cost    ~0.3 ms a frame while starting, one 6 x 6 solve at the end.
+// Source  Martinelli, IJCV 2014 (closed form, with known relative poses); Qin, Li, Shen, T-RO 2018,
 //         section V.B (gyro bias, gravity on its sphere).
 #pragma once
 

@@ -1,13 +1,13 @@
-// What    What a recorded folder holds: calibration, frames (file names), IMU samples, ground
-// truth. In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0
-// are needed; cam1 and
-//         state_groundtruth_estimate0 (or groundtruth.tum) are used if they are there.
+// What    What a recorded folder holds: calibration, frames (file names), IMU samples, the truth.
+// In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are
+//         needed; cam1 and state_groundtruth_estimate0 (or groundtruth.tum) are used if they are
+//         there.
 // Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
 // Units   t in ns, each sensor's own stamps; rad/s, m/s^2.
 // Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames, a
-//         calibration that makes no sense.
-//         Rejected and counted by name: rows cut off, not finite, not after the row before.
+//         calibration that makes no sense. Rejected and counted by name: rows cut off, not finite,
+//         not after the row before.
 // Cost    ~30 ms for a minute of EuRoC; images are opened by the player, not here.
 #pragma once
 

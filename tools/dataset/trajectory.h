@@ -1,12 +1,12 @@
 // What    Reads and writes trajectories: TUM files, ASL ground truth, matrix lists.
-// In      TUM: t[s] x y z qx qy qz qw. ASL: t[ns],x,y,z,qw,qx,qy,qz[,v x3,b_g x3,b_a x3].
-//         Matrices (PennCOSYVIO): t[s] and the 3 x 4 pose row by row.
+// In      TUM: t[s] x y z qx qy qz qw. ASL: t[ns],x,y,z,qw,qx,qy,qz[,v x3,b_g x3,b_a x3]. Matrices
+//         (PennCOSYVIO): t[s] and the 3 x 4 pose row by row.
 // Out     T_WB at each stamp, in order of time; quaternions normalized, x y z w.
 // Frames  W, B as the file has them: no alignment here.
 // Units   t: ns. t_s: the same in seconds as a double, as evaluation scripts read it. m, m/s,
-// rad/s. Errors  InputError with file and line: not a number, NaN, stamps that do not rise, no
-// rows.
-//         A last line cut off in the middle is dropped and counted (rows_truncated).
+//         rad/s.
+// Errors  InputError with file and line: not a number, NaN, stamps that do not rise, no rows. A
+//         last line cut off in the middle is dropped and counted (rows_truncated).
 #pragma once
 
 #include <string>

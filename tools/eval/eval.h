@@ -1,8 +1,7 @@
 // What    How far an estimated trajectory is from ground truth: ATE and RPE.
 // In      Two trajectories of the same body B, any two world frames; delta_s of the RPE.
 // Out     ATE: translation error after the best rigid alignment (no scale). RPE: drift over
-// delta_s,
-//         in the body frame. And each matched pose, aligned, for plots.
+//         delta_s, in the body frame. And each matched pose, aligned, for plots.
 // Frames  E: world of the estimate. W: world of the truth. R_WE, p_WE: the alignment.
 // Units   m, deg, s.
 // Errors  fewer than 10 poses inside the truth's time: ok = false, and poses tells how many.

@@ -6,7 +6,7 @@
 // Errors  none.
 // Cost    ~0.5 us a sample.
 // Source  noise: Kalibr wiki, "IMU noise model": white sigma = n sqrt(rate), walk step = w /
-// sqrt(rate).
+//         sqrt(rate).
 #pragma once
 
 #include <vector>

@@ -2,8 +2,7 @@
 // In      A seed (a flight through a hall of about 12 x 9 m, at rest first), or a recorded
 //         trajectory, which is followed closely, not exactly: the spline is the truth.
 // Out     State at t_s in [0, duration_s]. The position and the quaternion (before it is
-// normalized)
-//         are uniform B-splines of degree 5: four times continuously differentiable.
+//         normalized) are uniform B-splines of degree 5: four times continuously differentiable.
 // Frames  W: z up. B: IMU. R_LB: from B to the look frame L (x forward, y left, z up), so that a
 //         random flight looks where its device's cameras look.
 // Units   m, m/s, m/s^2, rad/s, s.

@@ -1,15 +1,15 @@
 // Driver of the InvenSense ICM-20602 on I2C: 200 samples a second by its FIFO, each with the time
-// of its own interrupt. In      data_ready: the stamp of each rising edge of the chip's INT pin
-// (bsp/api/gpio.h), in order.
-//         step: call at least every millisecond with the time; it carries one transfer on.
+// of its own interrupt.
+// In      data_ready: the stamp of each rising edge of the chip's INT pin (bsp/api/gpio.h), in
+//         order. step: call at least every millisecond with the time; it carries one transfer on.
 // Out     poll: bsp/api/imu.h. The n-th newest sample in the FIFO belongs to the n-th newest edge:
-// the
-//         FIFO is counted only within kQuiet of an edge, when no other sample can come in between.
+//         the FIFO is counted only within kQuiet of an edge, when no other sample can come in
+//         between.
 // Frames  B: the chip's own axes.
-// Errors  set_up: kNotFound: another chip answers; kBusFault, kTimeout as bsp/api/i2c.h.
-//         step: kOk, or once: kBusFault, kTimeout: a transfer failed, it is tried again; kStale: no
-//         edge for kSilence; kBadData: the set-up no longer holds (the chip was reset). After the
-//         last two, call set_up. poll: kFull: samples were lost before this one.
+// Errors  set_up: kNotFound: another chip answers; kBusFault, kTimeout as bsp/api/i2c.h. step: kOk,
+//         or once: kBusFault, kTimeout: a transfer failed, it is tried again; kStale: no edge for
+//         kSilence; kBadData: the set-up no longer holds (the chip was reset). After the last two,
+//         call set_up. poll: kFull: samples were lost before this one.
 // Cost    set_up waits 0.2 s. A sample takes about 0.6 ms of a 400 kHz bus, a step a few accesses.
 // Source  icm20602_registers.h; PX4's habit of reading the set-up back.
 #pragma once

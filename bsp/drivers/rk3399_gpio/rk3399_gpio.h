@@ -1,16 +1,15 @@
 // Driver of one GPIO bank of the RK3399. Its pins must be given to it first
-// (bsp/drivers/rk3399_setup). In      The bank's base address and number, where its edges go.
-// handle_interrupt: the time at which
-//         the handler began.
+// (bsp/drivers/rk3399_setup).
+// In      The bank's base address and number, where its edges go. handle_interrupt: the time at
+//         which the handler began.
 // Out     bsp/api/gpio.h for the pins of this bank.
 // Frames  none.
 // Errors  kNotFound: no such line.
 // Cost    One or two accesses per call; per interrupt four, and two more for pins watched for both
 //         edges.
 // Source  rk3399_gpio_registers.h. The chip knows no "both edges": such a pin interrupts at the
-// level
-//         that it has not, and the handler turns the level around. No change that lasts until the
-//         handler runs is lost that way, and a shorter one leaves no false edge.
+//         level that it has not, and the handler turns the level around. No change that lasts until
+//         the handler runs is lost that way, and a shorter one leaves no false edge.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,7 @@
 // Driver of one I2C controller of the RK3399. Its pins and clock must be on
-// (bsp/drivers/rk3399_setup). In      The controller's base address and the rate of its clock; the
-// time with each call. Out     bsp/api/i2c.h for this bus. open: the rate of SCL, at most `scl_hz`.
+// (bsp/drivers/rk3399_setup).
+// In      The controller's base address and the rate of its clock; the time with each call.
+// Out     bsp/api/i2c.h for this bus. open: the rate of SCL, at most `scl_hz`.
 // Frames  none.
 // Errors  As bsp/api/i2c.h; open: kBadData: no divisor gives the rate.
 // Cost    A poll: one access while nothing has come; with a full message, up to ten.

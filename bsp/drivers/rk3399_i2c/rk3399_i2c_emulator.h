@@ -3,8 +3,7 @@
 // Out     What the bus carried, in the device; scl_hz(): the rate that the divisor gives.
 // Frames  none.
 // Errors  See emulated/register_file.h; a message longer than 32 bytes, or without a start before
-// it:
-//         a bug of the driver, asserts. hold_bus: a chip holds SCL, nothing ever ends.
+//         it: a bug of the driver, asserts. hold_bus: a chip holds SCL, nothing ever ends.
 // Cost    Each event shows in RKI2C_IPD one read late, so that a driver must wait for it.
 // Source  rk3399_i2c_registers.h.
 #pragma once

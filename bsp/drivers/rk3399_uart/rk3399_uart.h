@@ -3,8 +3,7 @@
 // Out     bsp/api/serial.h for this port; put(): one byte, waiting for room, for a console.
 // Frames  none.
 // Errors  As bsp/api/serial.h. The receiver holds 64 bytes: read at least that often, every 0.4 ms
-// at
-//         1500000 baud.
+//         at 1500000 baud.
 // Cost    Two accesses a byte.
 // Source  rk3399_uart_registers.h. 24 MHz / 16 / 1 = 1500000 baud, what U-Boot leaves on UART2.
 #pragma once
