@@ -54,7 +54,7 @@ double Replay::ate_of_path() const {
 }
 
 Replay replay(const tools::Recording& recording, int cores,
-              const std::vector<std::string>& fault_specs) {
+              const std::vector<std::string>& fault_specs, Pace pace) {
   std::vector<tools::Fault> faults;
   for (const std::string& spec : fault_specs) faults.push_back(tools::parse_fault(spec));
   Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}, {}};
@@ -63,7 +63,7 @@ Replay replay(const tools::Recording& recording, int cores,
     tools::Feed feed(recording, faults);
     bsp::replay_start(feed.source(), bsp::ReplayPace::kFast);
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
-    out.status = app.run(board::kPlans[cores - 1], Pace::kAsWeGo);
+    out.status = app.run(board::kPlans[cores - 1], pace);
     out.rejected = feed.rejected();
     out.faults = feed.faults_applied();
   }

@@ -33,7 +33,7 @@ struct Replay {
 
 // faults: as --fault takes them.
 Replay replay(const tools::Recording& recording, int cores = 1,
-              const std::vector<std::string>& faults = {});
+              const std::vector<std::string>& faults = {}, Pace pace = Pace::kAsWeGo);
 
 // One line for people: what was measured.
 void print(const char* what, const Replay& replay);

@@ -45,6 +45,15 @@ TEST(simulated_flight, a_run_forgets_the_one_before) {
   EXPECT_EQ(again.counter("starts"), 1u);
 }
 
+TEST(simulated_flight, three_cores_in_lockstep_give_the_bytes_of_one) {
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3, {}, Pace::kLockstep);
+  EXPECT_EQ(run.result.exit_status(), 0);
+  EXPECT_TRUE(run.trajectory() == euroc_run().trajectory()) << "cores change the trajectory";
+  for (const char* name : {"keyframes", "adjustments", "points_stereo", "chi2"}) {
+    EXPECT_EQ(run.counter(name), euroc_run().counter(name)) << name;
+  }
+}
+
 TEST(simulated_flight, three_cores_finish) {
   const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3);
   print("euroc, three cores", run);

@@ -27,6 +27,7 @@ struct Options {
   RecordingOptions recording;
   bool real_time = false;
   int cores = 1;
+  bool lockstep = false;
   bool trace = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
@@ -80,8 +81,10 @@ int run(const Options& options, const std::string& command) {
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
     }
-    status = app.run(board::kPlans[options.cores - 1],
-                     options.real_time ? Pace::kSensors : Pace::kAsWeGo);
+    const Pace pace = options.real_time  ? Pace::kSensors
+                      : options.lockstep ? Pace::kLockstep
+                                         : Pace::kAsWeGo;
+    status = app.run(board::kPlans[options.cores - 1], pace);
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
@@ -112,7 +115,7 @@ std::string joined(const CLI::App& app) {
 
 std::function<int()> declare_run(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
+  app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder or a packed file")->required();
   app.add_option("--out", o->out, "folder for the results")->required();
   app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
   app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
@@ -120,10 +123,13 @@ std::function<int()> declare_run(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
       ->check(CLI::NonNegativeNumber);
-  app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
+  auto* const real_time =
+      app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
   app.add_option("--cores", o->cores, "threads; 1: lockstep, same input, same bytes")
       ->capture_default_str()
       ->check(CLI::Range(1, board::kCores));
+  app.add_flag("--lockstep", o->lockstep, "with any --cores the bytes that one core gives")
+      ->excludes(real_time);
   app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
       ->allow_extra_args(false);
