@@ -86,7 +86,7 @@ struct Script {
   }
 
   std::vector<ImuSample> samples;
-  std::vector<StereoFrame> frames;
+  std::deque<StereoFrame> frames;  // frame() hands out references
   std::deque<std::vector<uint8_t>> pixels;
   size_t imu_at = 0, frame_at = 0;
   int released = 0;
