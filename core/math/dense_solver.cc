@@ -8,6 +8,15 @@ void subtract_scaled(double* __restrict to, const double* __restrict row, double
   for (size_t j = 0; j < count; ++j) to[j] -= factor * row[j];
 }
 
+void solve_upper(const double* A, size_t stride, double* b, size_t n) {
+  for (size_t i = n; i-- > 0;) {
+    const double* row = A + i * stride;
+    double sum = b[i];
+    for (size_t j = i + 1; j < n; ++j) sum -= row[j] * b[j];
+    b[i] = sum / row[i];
+  }
+}
+
 }  // namespace
 
 bool solve_spd(double* A, size_t stride, double* b, size_t n, double* marginal, size_t k) {
@@ -30,13 +39,17 @@ bool solve_spd(double* A, size_t stride, double* b, size_t n, double* marginal, 
       b[i] -= factor * b[pivot];
     }
   }
-  for (size_t i = n; i-- > 0;) {
-    const double* row = A + i * stride;
-    double sum = b[i];
-    for (size_t j = i + 1; j < n; ++j) sum -= row[j] * b[j];
-    b[i] = sum / row[i];
-  }
+  solve_upper(A, stride, b, n);
   return true;
+}
+
+void solve_factored(const double* A, size_t stride, double* b, size_t n) {
+  for (size_t pivot = 0; pivot < n; ++pivot) {
+    if (b[pivot] == 0) continue;
+    const double* row = A + pivot * stride;
+    subtract_scaled(b + pivot + 1, row + pivot + 1, b[pivot] / row[pivot], n - pivot - 1);
+  }
+  solve_upper(A, stride, b, n);
 }
 
 }  // namespace pirvs

@@ -14,4 +14,7 @@ namespace pirvs {
 
 bool solve_spd(double* A, size_t stride, double* b, size_t n, double* marginal, size_t k);
 
+// Solves for another b with the A that solve_spd left. n^2 multiply-subtracts.
+void solve_factored(const double* A, size_t stride, double* b, size_t n);
+
 }  // namespace pirvs

@@ -52,6 +52,22 @@ TEST(dense_solver, agrees_with_ldlt) {
   }
 }
 
+TEST(dense_solver, solves_again_from_its_factors) {
+  for (const int n : {1, 2, 7, 45, 180}) {
+    const System system(static_cast<uint32_t>(n), n);
+    const size_t stride = static_cast<size_t>(n) + 3;
+    std::vector<double> A = system.upper(stride);
+    Column first = system.b;
+    ASSERT_TRUE(solve_spd(A.data(), stride, first.data(), static_cast<size_t>(n), nullptr, 0));
+    Column b = Column::Zero(n);  // zeros ahead are skipped
+    for (int i = n / 3; i < n; ++i) b[i] = system.b[n - 1 - i] + 2;
+    Column x = b;
+    solve_factored(A.data(), stride, x.data(), static_cast<size_t>(n));
+    const Column expected = system.A.ldlt().solve(b);
+    EXPECT_LT((x - expected).norm(), 1e-9 * expected.norm()) << n;
+  }
+}
+
 TEST(dense_solver, skips_zeros_without_losing_any) {
   System system(5, 40);
   for (int i = 0; i < 40; ++i) {

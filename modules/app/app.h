@@ -24,7 +24,7 @@ namespace pirvs {
 
 struct PoseOutput {
   BodyState state;
-  Mat15 cov;
+  Mat15 cov = Mat15::Zero();
   HealthState health;
   Trust trust;
 };

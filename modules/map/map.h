@@ -60,6 +60,7 @@ struct Keyframe {
   bool linked = false;           // from_previous holds
   bool at_rest = false;
   uint16_t epoch = 0;  // one for each start: only within one are places exact to each other
+  Mat6 error = Mat6::Zero();  // of the pose: map_error.h, about its own place
 };
 
 struct Map {
@@ -86,7 +87,8 @@ struct MapSnapshot {
   uint16_t epoch = 0;         // of that keyframe
   bool adjusted = false;      // the adjustment succeeded: state and cov hold
   BodyState state;            // of that keyframe, refined
-  Mat15 cov = Mat15::Zero();  // of that state: theta, p, v, b_g, b_a
+  Mat15 cov = Mat15::Zero();  // of that state against the map: theta, p, v, b_g, b_a
+  Mat6 error = Mat6::Zero();  // of the map there: map_error.h, about the place of that state
   FixedVector<MapPoint, kLandmarksMax> points;
 };
 
@@ -100,6 +102,7 @@ struct KeyframeMessage {
   bool adjust = true;  // false: more keyframes follow at once (start-up)
   uint16_t epoch = 0;
   bool restart = false;  // a start: nothing links it to the keyframe before
+  Mat6 error = Mat6::Zero();  // of a start: how uncertain its place is, map_error.h
   bool renew = false;    // in place of the keyframe before
   // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from
   // now.

@@ -33,6 +33,7 @@ void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingPa
   prior_frame_ = -1;
   unknowns_ = 0;
   iteration_ = accepted_ = 0;
+  errors_known_ = false;
   lambda_ = 1e-4;
   cost_ = std::numeric_limits<double>::infinity();
   start_iteration();
@@ -326,6 +327,7 @@ void Bundle::judge() {
     lambda_ = std::max(1e-7, lambda_ * 0.1);
     next_point_ = 0;
     phase_ = last || converged ? Phase::kDone : Phase::kLinearize;
+    if (phase_ == Phase::kDone) finish();
     return;
   }
   for (Frame& frame : frames_) {
@@ -334,6 +336,51 @@ void Bundle::judge() {
   }
   lambda_ *= 30;
   phase_ = last ? Phase::kDone : Phase::kSolve;
+  if (phase_ == Phase::kDone) finish();
+}
+
+// What the IMU links and the prior say against a tilt of all free frames about an axis of W.
+void Bundle::resist_tilt(int axis, const Vec3& at, double* out) const {
+  std::fill(out, out + unknowns_, 0.0);
+  for (const ImuLink& link : links_) {
+    const Frame& a = frames_[static_cast<size_t>(link.from)];
+    const Frame& b = frames_[static_cast<size_t>(link.to)];
+    Mat15 J_a, J_b;
+    link_jacobians(link, a.state, b.state, J_a, J_b);
+    const Vec15 moved =
+        J_a * rigid_motion(a.state, at).col(axis) + J_b * rigid_motion(b.state, at).col(axis);
+    const Vec15 W = weigh(link, moved);
+    if (a.unknown >= 0) Eigen::Map<Vec15>(out + a.unknown) += J_a.transpose() * W;
+    Eigen::Map<Vec15>(out + b.unknown) += J_b.transpose() * W;
+  }
+  if (prior_frame_ < 0) return;
+  const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
+  Eigen::Map<Vec15>(out + frame.unknown) +=
+      prior_.information * rigid_motion(frame.state, at).col(axis);
+}
+
+// From the factors of the last solution. When the fixed frames and all others move as one, vision
+// does not notice: what keeps the others from following is what inertia resists.
+void Bundle::finish() {
+  const auto oldest = std::find_if(frames_.begin(), frames_.end(),
+                                   [](const Frame& frame) { return frame.unknown == 0; });
+  const size_t n = static_cast<size_t>(unknowns_);
+  const Vec3 at = oldest->state.T_WB.p;
+  newest_follows_ = rigid_motion(frames_.back().state, at);
+  oldest_follows_ = rigid_motion(oldest->state, at).topRows<6>();
+  for (int axis = 0; axis < 2; ++axis) {
+    resist_tilt(axis, at, delta_);
+    solve_factored(S_damped_, kUnknownsMax, delta_, n);
+    newest_follows_.col(axis) -= Eigen::Map<const Vec15>(delta_ + n - 15);
+    oldest_follows_.col(axis) -= Eigen::Map<const Vec6>(delta_);
+  }
+  for (int i = 0; i < 6; ++i) {
+    std::fill(delta_, delta_ + n, 0.0);
+    delta_[i] = 1;
+    solve_factored(S_damped_, kUnknownsMax, delta_, n);
+    oldest_pose_cov_.col(i) = Eigen::Map<const Vec6>(delta_);
+  }
+  errors_known_ = true;
 }
 
 double Bundle::residual_sigma(int point, int observation) const {

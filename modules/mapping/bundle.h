@@ -1,7 +1,8 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
 // In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
 // Out     refined states and points, each point's covariance, each observation's residual, and the
-//         covariance of the newest frame (added last) given the fixed ones.
+//         covariance of the newest frame (added last) and of the oldest free one's pose, given the
+//         fixed ones; and how both follow when the fixed ones are off together.
 // Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
 // Cost    one iteration of 10 free frames, 400 points, 3000 observations: ~2 ms, x86-64.
@@ -11,7 +12,7 @@
 
 #include "core/camera/camera.h"
 #include "core/store/fixed_vector.h"
-#include "modules/map/map.h"
+#include "modules/map/map_error.h"
 #include "modules/mapping/imu_link.h"
 #include "modules/mapping/mapping_params.h"
 #include "modules/mapping/window_prior.h"
@@ -42,6 +43,13 @@ class Bundle {
   const Vec3& point(int i) const { return points_[i].p_W; }
   Mat3 point_cov(int i) const { return points_[i].H_inverse; }
   const Mat15& newest_cov() const { return newest_cov_; }
+  const Mat6& oldest_pose_cov() const { return oldest_pose_cov_; }
+  // The rest holds only if this does: the last step's system could be solved.
+  bool errors_known() const { return errors_known_; }
+  // By how much the newest state and the oldest free pose move when all fixed frames turn and shift
+  // about the place of the oldest free frame. Inertia resists a tilt; nothing resists the rest.
+  const Mat15x6& newest_follows() const { return newest_follows_; }
+  const Mat6& oldest_follows() const { return oldest_follows_; }
   // Residual in sigmas after the last step; infinite for a point behind its camera.
   double residual_sigma(int point, int observation) const;
   int observations(int point) const { return points_[point].count; }
@@ -85,6 +93,8 @@ class Bundle {
   double prior_cost(const BodyState& state) const;
   double robust_cost(double squares) const;
   void judge();
+  void finish();
+  void resist_tilt(int axis, const Vec3& at, double* out) const;
   double* row(int i) { return S_ + static_cast<size_t>(i) * kUnknownsMax; }
 
   Camera camera_[kCamerasMax];
@@ -102,8 +112,11 @@ class Bundle {
   Phase phase_ = Phase::kLinearize;
   size_t next_point_ = 0;
   int iteration_ = 0, accepted_ = 0;
+  bool errors_known_ = false;
   double lambda_ = 1e-4, cost_ = 0, cost_before_ = 0, cost_trial_ = 0;
   Mat15 newest_cov_ = Mat15::Identity(), trial_cov_ = Mat15::Identity();
+  Mat6 oldest_pose_cov_ = Mat6::Identity(), oldest_follows_ = Mat6::Identity();
+  Mat15x6 newest_follows_ = Mat15x6::Zero();
   double S_[kUnknownsMax * kUnknownsMax];
   double S_damped_[kUnknownsMax * kUnknownsMax];
   double b_[kUnknownsMax];

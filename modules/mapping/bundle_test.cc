@@ -409,6 +409,63 @@ TEST(bundle, covariance_of_the_newest_frame_is_positive_and_honest) {
   EXPECT_LT(normalized, 2.5);
 }
 
+// All fixed frames are off together: solved anew, the others must follow as foretold.
+TEST(bundle, frames_follow_what_holds_them_as_foretold) {
+  const double sizes[6] = {1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3};
+  Problem problem(11, 3, 6, 120);
+  problem.params.iterations_max = 30;
+  problem.params.huber_sigma = 1e3;
+  problem.noise.accel_noise = 2e-3;  // inertia should have a say
+  problem.prior.information.topLeftCorner<6, 6>().setZero();
+  const Mat3 R = problem.truth[3].T_WB.R;
+  problem.prior.information.topLeftCorner<3, 3>() =
+      R.transpose() * Vec3(1e6, 1e6, 0).asDiagonal() * R;
+  problem.add_noise(0.3);
+  const auto before = solve(problem);
+  ASSERT_TRUE(before->errors_known());
+  const Vec3 at = before->state(3).T_WB.p;
+  for (int axis = 0; axis < 6; ++axis) {
+    Vec6 off = Vec6::Zero();
+    off[axis] = sizes[axis];
+    Problem moved = problem;
+    for (size_t i = 0; i < moved.states.size(); ++i) {
+      const BodyState from = i < 3 ? moved.truth[i] : before->state(static_cast<int>(i));
+      moved.states[i] = boxplus(from, rigid_motion(from, at) * off);
+    }
+    const auto after = solve(moved);
+    ASSERT_TRUE(after->solved());
+    const Vec15 newest = boxminus(after->state(8), before->state(8)) / sizes[axis];
+    const Vec6 oldest = boxminus(after->state(3), before->state(3)).head<6>() / sizes[axis];
+    EXPECT_LT((newest.head<9>() - before->newest_follows().col(axis).head<9>()).norm(), 0.03)
+        << axis << "\n"
+        << newest.norm() << "\n"
+        << before->newest_follows().col(axis).norm();
+    EXPECT_LT((oldest - before->oldest_follows().col(axis)).norm(), 0.03) << axis;
+  }
+  const Vec3 tilt = R * before->oldest_follows().col(0).head<3>();
+  EXPECT_LT(tilt.x(), 0.95) << "inertia resists a tilt";
+  EXPECT_GT(tilt.x(), 0.0);
+}
+
+TEST(bundle, covariance_of_the_oldest_pose_is_honest) {
+  double normalized = 0;
+  const int runs = 10;
+  for (uint32_t seed = 1; seed <= runs; ++seed) {
+    Problem problem(seed, 3, 5, 80);
+    problem.params.fixed_weight = 1;  // these are exact
+    problem.add_noise(0.6);
+    problem.perturb(0.3);
+    const auto bundle = solve(problem);
+    ASSERT_TRUE(bundle->errors_known());
+    const Mat6& cov = bundle->oldest_pose_cov();
+    EXPECT_LT((cov - cov.transpose()).norm(), 1e-9 * cov.norm());
+    const Vec6 e = boxminus(bundle->state(3), problem.truth[3]).head<6>();
+    normalized += e.dot(cov.inverse() * e) / (6.0 * runs);
+  }
+  EXPECT_GT(normalized, 0.3);
+  EXPECT_LT(normalized, 2.5);
+}
+
 TEST(bundle, same_input_same_bits_after_any_former_use) {
   Problem problem(5, 1, 4, 60), other(6, 2, 6, 90);
   problem.add_noise(0.6);

@@ -63,7 +63,9 @@ void Mapper::join(const KeyframeMessage& message) {
     moved.state.T_WB = T * moved.state.T_WB;
     moved.state.v_WB = T.R * moved.state.v_WB;
     moved.epoch = message.epoch;
+    moved.error = message.error;
   }
+  run_error_ = message.error;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     Landmark* moved = map_.landmarks.at(slot);
     if (moved == nullptr || moved->epoch != message.joining) continue;
@@ -115,6 +117,7 @@ void Mapper::insert(const KeyframeMessage& message) {
     }
     prior_ = WindowPrior{};
     run_sequence_ = message.sequence;
+    run_error_ = newest_error_ = message.error;
   }
   if (message.join) join(message);
   if (order_.full()) remove_keyframe(0);
@@ -126,6 +129,7 @@ void Mapper::insert(const KeyframeMessage& message) {
   fresh.from_previous = message.from_previous;
   fresh.at_rest = message.at_rest;
   fresh.epoch = message.epoch;
+  fresh.error = newest_error_;
   fresh.linked = message.linked && !message.restart && !order_.empty() &&
                  keyframe(order_.size() - 1).sequence + 1 == message.sequence;
   const bool added = order_.push_back(id.value());
@@ -249,6 +253,7 @@ void Mapper::build() {
   const size_t window_begin = order_.size() - window;
   slide_prior(window_begin);
   choose_fixed(window_begin);
+  hold_error(window_begin);
   window_first_ = static_cast<int>(members_.size());
   for (size_t i = window_begin; i < order_.size(); ++i) {
     const Keyframe& member = keyframe(i);
@@ -322,6 +327,22 @@ void Mapper::choose_fixed(size_t window_begin) {
     if (frame < 0) break;
     (void)members_.push_back({candidate.order, static_cast<int16_t>(frame)});
   }
+}
+
+// The error that the fixed keyframes share: of many, the mean, since theirs are much the same. Without
+// any, the prior's anchor holds, which was set at the keyframe before the window.
+void Mapper::hold_error(size_t window_begin) {
+  const Vec3& at = keyframe(window_begin).state.T_WB.p;
+  if (window_begin == run_begin()) {
+    held_error_ = run_error_;
+    return;
+  }
+  held_error_.setZero();
+  const auto add = [&](const Keyframe& k, double weight) {
+    held_error_ += weight * error_about(at, k.state.T_WB.p, k.error);
+  };
+  for (const Member& fixed : members_) add(keyframe(fixed.order), 1.0 / double(members_.size()));
+  if (members_.empty()) add(keyframe(window_begin - 1), 1.0);
 }
 
 // Observations are grouped by point for the bundle: a counting sort over the landmarks' slots.
@@ -400,6 +421,7 @@ void Mapper::finish() {
     write_back();
     remove_outliers();
     newest_cov_ = bundle_.newest_cov();
+    if (bundle_.errors_known()) spread_error();
   }
   remove_weak_points();
   publish(bundle_.solved());
@@ -414,6 +436,19 @@ void Mapper::write_back() {
     landmark->p_W = bundle_.point(static_cast<int>(p));
     landmark->cov = bundle_.point_cov(static_cast<int>(p));
   }
+}
+
+// What holds the adjustment is off itself: so is all that it holds, and more so the less firmly. The
+// points near the newest keyframe are as far off as it is, whatever tracking makes of them.
+void Mapper::spread_error() {
+  Keyframe& oldest = keyframe(members_[static_cast<size_t>(window_first_)].order);
+  const Keyframe& newest = keyframe(order_.size() - 1);
+  const Mat6& A = bundle_.oldest_follows();
+  oldest.error = error_of_pose(oldest.state.T_WB.R,
+                               A * held_error_ * A.transpose() + bundle_.oldest_pose_cov());
+  const Mat6 B = bundle_.newest_follows().topRows<6>();
+  newest_error_ = error_of_pose(newest.state.T_WB.R, B * held_error_ * B.transpose() +
+                                                         newest_cov_.topLeftCorner<6, 6>());
 }
 
 void Mapper::remove_outliers() {
@@ -457,6 +492,7 @@ void Mapper::publish(bool adjusted) {
   snapshot.adjusted = adjusted;
   snapshot.state = newest.state;
   snapshot.cov = newest_cov_;
+  snapshot.error = newest_error_;
   snapshot.points.clear();
   const double sigma_rel2 = params_.point_sigma_rel_max * params_.point_sigma_rel_max;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {

@@ -54,10 +54,12 @@ class Mapper {
 
   void build();
   void choose_fixed(size_t window_begin);
+  void hold_error(size_t window_begin);
   void add_points(size_t window_begin);
   void slide_prior(size_t window_begin);
   void finish();
   void write_back();
+  void spread_error();
   void remove_outliers();
   void remove_weak_points();
   void publish(bool adjusted);
@@ -90,6 +92,9 @@ class Mapper {
   WindowPrior prior_;
   uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();
+  Mat6 run_error_ = Mat6::Zero();  // of the last start
+  Mat6 held_error_ = Mat6::Zero();  // of what holds the adjustment, about its oldest free frame
+  Mat6 newest_error_ = Mat6::Zero();
   MappingCounters counters_;
 };
 

@@ -13,6 +13,14 @@ namespace {
 constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;   // cameras, a bit each
 constexpr size_t kTracksSeeing = 8;                             // fewer: the camera sees nothing
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
+// By how much an untracked device may turn from what the gyro says, and go.
+constexpr double kUntracked_rad_s = 0.02, kUntracked_m_s = 1.0;
+
+Mat6 error_of_sigmas(double sigma_rad, double sigma_m) {
+  Vec6 sigma;
+  sigma << Vec3::Constant(sigma_rad), Vec3::Constant(sigma_m);
+  return sigma.cwiseAbs2().asDiagonal();
+}
 
 }  // namespace
 
@@ -51,6 +59,16 @@ void Tracker::add_imu(const ImuSample& sample) {
   }
   last_imu_ = sample;
   has_imu_ = true;
+}
+
+Mat15 Tracker::cov() const {
+  const Mat15x6 G = rigid_motion(filter_.state(), map_error_at_);
+  return params_.tracker.cov_scale * (filter_.cov() + G * map_error_ * G.transpose());
+}
+
+void Tracker::note_place(const Mat6& error, const Vec3& at) {
+  map_error_ = error;
+  map_error_at_ = at;
 }
 
 Vec3 Tracker::prepare(Frontend* frontends) {
@@ -98,6 +116,7 @@ void Tracker::take_snapshot(Frontend* frontends) {
   } else if (snapshot->keyframe != sequence_) {
     ++counters_.snapshots_late;
   }
+  note_place(snapshot->error, snapshot->state.T_WB.p);
   note_jump(T_WB_before, filter_.state().T_WB, joined);
   view_.assign(*snapshot, filter_.state().T_WB, camera_, cameras_);
   associate(*snapshot, frontends);
@@ -287,6 +306,8 @@ void Tracker::lose() {
   ++counters_.losses;
   running_ = located_ = false;
   origin_ = filter_.state().T_WB;
+  origin_t_ = filter_.state().t;
+  origin_error_ = map_error_ + error_of_pose(origin_.R, filter_.cov().topLeftCorner<6, 6>());
   starter_.reset();
 }
 
@@ -378,6 +399,7 @@ bool Tracker::try_join(TimeNs t, Frontend* frontends) {
   message->state.T_WB = T_join_ * message->state.T_WB;
   message->state.v_WB = T_join_.R * message->state.v_WB;
   message->epoch = epoch_ = found.epoch;
+  message->error = map_error_ + error_of_sigmas(kRecognised_rad, kRecognised_m);
   end_keyframe(*message);
   place_known_ = joining_ = true;
   ++counters_.joins;
@@ -409,7 +431,7 @@ Status Tracker::try_start(TimeNs t, uint8_t seen, Frontend* frontends) {
                             standstill_, origin_);
 }
 
-bool Tracker::send_start() {
+bool Tracker::send_start(const Mat6& error) {
   for (const KeyframeMessage& message : starter_.keyframes()) {
     KeyframeMessage* slot = keyframes_->begin_push();
     if (slot == nullptr) {  // mapping is behind: try again with the next frames
@@ -420,6 +442,7 @@ bool Tracker::send_start() {
     *slot = message;
     slot->sequence = ++sequence_;
     slot->epoch = epoch_;
+    slot->error = error;
     keyframes_->end_push();
     ++counters_.keyframes;
   }
@@ -427,7 +450,7 @@ bool Tracker::send_start() {
 }
 
 // A start continues where the last track ended, unless the map knows better.
-void Tracker::find_place(TimeNs t, Frontend* frontends) {
+Mat6 Tracker::find_place(TimeNs t, Frontend* frontends) {
   Recognition& found = recognition_;
   const BodyState& state = starter_.state();
   last_recognise_t_ = 0;
@@ -437,17 +460,21 @@ void Tracker::find_place(TimeNs t, Frontend* frontends) {
     place_known_ = true;
     epoch_ = found.epoch;
     ++counters_.joins;
-    return;
+    return map_error_ + error_of_sigmas(kRecognised_rad, kRecognised_m);
   }
   epoch_ = ++epochs_;
+  if (place_known_) return Mat6::Zero();  // the first start defines it
+  const double gap_s = to_seconds(t - origin_t_);
+  return origin_error_ + error_of_sigmas(kUntracked_rad_s * gap_s, kUntracked_m_s * gap_s);
 }
 
 void Tracker::start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
   const Status status = try_start(t, seen, frontends);
   if (status == Status::kStale) ++counters_.start_failures;
   if (status != Status::kOk) return;
-  find_place(t, frontends);
-  if (!send_start()) return;
+  const Mat6 error = find_place(t, frontends);
+  if (!send_start(error)) return;
+  note_place(error, starter_.state().T_WB.p);
   last_keyframe_ = starter_.state();
   since_keyframe_.reset(last_keyframe_.b_g, last_keyframe_.b_a);
   filter_.reset(last_keyframe_, starter_.cov());

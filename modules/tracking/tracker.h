@@ -12,6 +12,7 @@
 #include "core/store/ring.h"
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
+#include "modules/map/map_error.h"
 #include "modules/matching/projection.h"
 #include "modules/matching/recognise.h"
 #include "modules/matching/stereo.h"
@@ -68,7 +69,9 @@ class Tracker {
   uint32_t sent() const { return sequence_; }  // keyframes so far, the newest one's sequence
   bool running() const { return running_; }
   const BodyState& state() const { return filter_.state(); }
-  const Mat15& cov() const { return filter_.cov(); }
+  // Against where the first start began: the filter's, which is against the map, and the map's own,
+  // both cov_scale times.
+  Mat15 cov() const;
   HealthState health() const { return health_.state(); }
   const Trust& trust() const { return health_.trust(); }
   const TrackingCounters& counters() const { return counters_; }
@@ -77,6 +80,7 @@ class Tracker {
  private:
   void take_snapshot(Frontend* frontends);
   void restart_filter(const BodyState& state, const Mat15& cov);
+  void note_place(const Mat6& error, const Vec3& at);
   void note_jump(const SE3& before, const SE3& after, bool certain);
   void associate(const MapSnapshot& snapshot, Frontend* frontends);
   void collect(Frontend* frontends);
@@ -86,7 +90,7 @@ class Tracker {
   void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   bool try_join(TimeNs t, Frontend* frontends);
   void lose();
-  void find_place(TimeNs t, Frontend* frontends);
+  Mat6 find_place(TimeNs t, Frontend* frontends);  // and how uncertain it is
   void carry_over();
   int occupied_cells() const;
   void count_misses(Frontend* frontends);
@@ -94,7 +98,7 @@ class Tracker {
   uint8_t seeing(uint8_t present, const Frontend* frontends) const;
   void start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   Status try_start(TimeNs t, uint8_t seen, Frontend* frontends);
-  bool send_start();
+  bool send_start(const Mat6& error);
   bool keyframe_due(TimeNs t, const Frontend& frontend) const;
   bool rest_keyframe_due(TimeNs t) const;
   void find_stereo(Frontend* frontends);
@@ -119,6 +123,10 @@ class Tracker {
   uint8_t start_cameras_ = 0;  // that the attempt to start looks through, a bit each
   TimeNs last_pair_t_ = 0;     // when both cameras last saw something
   SE3 origin_;                 // where a restart continues
+  Mat6 origin_error_ = Mat6::Zero();  // of that
+  TimeNs origin_t_ = 0;
+  Mat6 map_error_ = Mat6::Zero();  // of the map about map_error_at_
+  Vec3 map_error_at_ = Vec3::Zero();
   SE3 T_WB_last_frame_;        // for flow prediction
   TimeNs last_frame_t_ = 0;
   Mat3 R_B0B_last_ = Mat3::Identity();

@@ -51,6 +51,7 @@ struct TrackerParams {
   float recognise_every_s = 0.2f;
   float recognise_wait_s = 0.5f;
   float recognise_matches_min = 12.0f;
+  float cov_scale = 1.6f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
@@ -87,6 +88,8 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "after blindness, mapping waits this long for the place to be recognised"},
     {"recognise_matches_min", &TrackerParams::recognise_matches_min, 4, 200, "1",
      "matches that fit one pose and make a place recognised"},
+    {"cov_scale", &TrackerParams::cov_scale, 0.1f, 100, "1",
+     "times the covariance on its way out: views of one point share errors that no model knows"},
 };
 static_assert(sizeof(TrackerParams) == std::size(kTrackerRows) * sizeof(float));
 

@@ -1,0 +1,42 @@
+// How far the map itself, near one place, may be from where it should be: the error that matching
+// against it cannot see, told as one rigid motion of all that is near.
+// In      covariance of (theta, p): a small turn of W about `at`, and a shift of W.
+// Out     the same about another place; what it does to a state.
+// Frames  theta and p in W. State errors: theta (in B, right), p, v (in W), b_g, b_a.
+// Units   rad, m.
+// Errors  none. Cost: ~0.3 us each.
+// Source  own; docs/adr/7.
+#pragma once
+
+#include "core/math/so3.h"
+#include "modules/map/map.h"
+
+namespace pirvs {
+
+using Mat15x6 = Eigen::Matrix<double, 15, 6>;
+
+// d state error / d (theta, p): everything turns about `at`, then shifts. Biases stay.
+inline Mat15x6 rigid_motion(const BodyState& state, const Vec3& at) {
+  Mat15x6 G = Mat15x6::Zero();
+  G.block<3, 3>(0, 0) = state.T_WB.R.transpose();
+  G.block<3, 3>(3, 0) = -skew(state.T_WB.p - at);
+  G.block<3, 3>(3, 3).setIdentity();
+  G.block<3, 3>(6, 0) = -skew(state.v_WB);
+  return G;
+}
+
+// The same error told about `to` instead of `from`: a turn reaches farther the farther away.
+inline Mat6 error_about(const Vec3& to, const Vec3& from, const Mat6& cov) {
+  Mat6 A = Mat6::Identity();
+  A.block<3, 3>(3, 0) = -skew(to - from);
+  return A * cov * A.transpose();
+}
+
+// Of a pose with error (theta in B, p): the map's error about the place of that pose.
+inline Mat6 error_of_pose(const Mat3& R_WB, const Mat6& cov) {
+  Mat6 A = Mat6::Identity();
+  A.block<3, 3>(0, 0) = R_WB;
+  return A * cov * A.transpose();
+}
+
+}  // namespace pirvs
