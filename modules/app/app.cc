@@ -16,6 +16,7 @@ namespace {
 const char* event_of(const FrameResult& result) {
   if (result.started) return result.started_at_rest ? "started at rest" : "started in motion";
   if (result.joined) return "recognised the old map";
+  if (result.closed) return "closed a loop";
   if (result.recognised) return "recognised the place";
   return result.health_changed ? "health changed" : nullptr;
 }
@@ -299,6 +300,8 @@ int App::counters(NamedValue* out, int max) const {
   add("recognitions", t.recognitions);
   add("recognitions_failed", t.recognitions_failed);
   add("joins", t.joins);
+  add("loops", t.loops);
+  add("loops_implausible", t.loops_implausible);
   add("jumps", t.jumps);
   const MappingCounters& m = mapper_.counters();
   add("keyframes_removed", m.keyframes_removed);

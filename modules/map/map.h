@@ -61,6 +61,7 @@ struct Keyframe {
   bool at_rest = false;
   uint16_t epoch = 0;  // one for each start: only within one are places exact to each other
   Mat6 error = Mat6::Zero();  // of the pose: map_error.h, about its own place
+  Mat6 added = Mat6::Zero();  // of that, against the keyframe before
 };
 
 struct Map {
@@ -78,6 +79,7 @@ struct MapPoint {
   float distance_m;
   TrackId track[kCamerasMax];
   bool in_newest;  // the newest keyframe saw it: `track` is complete
+  uint32_t last_keyframe;  // the newest that saw it
   uint16_t epoch;
 };
 
@@ -109,6 +111,12 @@ struct KeyframeMessage {
   bool join = false;
   uint16_t joining = 0;
   SE3 T_join;            // a turn about the vertical and a shift
+  // An old place was recognised: keyframes after `closes_to` are off, this one by a turn about the
+  // vertical and a shift, of covariance off_cov (loop_closure.h). Some observations name old points.
+  bool close = false;
+  uint32_t closes_to = 0;
+  Vec4 off = Vec4::Zero();
+  Eigen::Matrix<double, 4, 4> off_cov = Eigen::Matrix<double, 4, 4>::Identity();
   bool at_rest = false;  // the body stands still: its velocity is known to be zero
 };
 

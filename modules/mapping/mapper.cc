@@ -78,6 +78,48 @@ void Mapper::join(const KeyframeMessage& message) {
   ++counters_.joins;
 }
 
+// The newest keyframe is in order_ already. Each point goes with the keyframe that saw it last.
+void Mapper::close(const KeyframeMessage& message) {
+  size_t begin = run_begin();
+  while (begin < order_.size() && keyframe(begin).sequence <= message.closes_to) ++begin;
+  static LoopStep steps[kKeyframesMax];
+  static LoopCorrection corrections[kKeyframesMax];
+  static SE3 motions[kKeyframesMax];
+  const size_t count = order_.size() - begin;
+  for (size_t i = 0; i < count; ++i) {
+    steps[i] = {keyframe(begin + i).state.T_WB.p, keyframe(begin + i).added};
+  }
+  spread_loop(steps, static_cast<int>(count), message.off, message.off_cov, corrections);
+  const Keyframe* const old = begin > 0 ? &keyframe(begin - 1) : nullptr;
+  for (size_t i = 0; i < count; ++i) {
+    Keyframe& moved = keyframe(begin + i);
+    motions[i] = motion_of(corrections[i].xi, moved.state.T_WB.p);
+    moved.error = corrections[i].left;
+    if (old != nullptr) {
+      moved.error += error_about(moved.state.T_WB.p, old->state.T_WB.p, old->error);
+    }
+    moved.state.T_WB = motions[i] * moved.state.T_WB;
+    moved.state.v_WB = motions[i].R * moved.state.v_WB;
+    if (moved.sequence == prior_.sequence) move(motions[i], prior_);
+  }
+  newest_error_ = keyframe(order_.size() - 1).error;
+  size_t at = begin;
+  uint32_t sequence_begin = keyframe(begin).sequence;
+  const uint32_t newest = keyframe(order_.size() - 1).sequence;
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    Landmark* point = map_.landmarks.at(slot);
+    if (point == nullptr || point->last_keyframe < sequence_begin) continue;
+    // Sequences have no holes but where a start was renewed: from the guess it is a step or none.
+    const uint32_t seen = std::min(point->last_keyframe, newest);
+    at = std::min(begin + (seen - sequence_begin), order_.size() - 1);
+    while (at > begin && keyframe(at).sequence > seen) --at;
+    const SE3& T = motions[at - begin];
+    point->p_W = T * point->p_W;
+    point->cov = (T.R * point->cov * T.R.transpose()).eval();
+    point->view_W = T.R * point->view_W;
+  }
+}
+
 // Place in order_ of the last start's first keyframe: an adjustment does not reach beyond it.
 size_t Mapper::run_begin() const {
   size_t i = order_.size();
@@ -130,10 +172,12 @@ void Mapper::insert(const KeyframeMessage& message) {
   fresh.at_rest = message.at_rest;
   fresh.epoch = message.epoch;
   fresh.error = newest_error_;
+  fresh.added = last_added_;  // until an adjustment knows better
   fresh.linked = message.linked && !message.restart && !order_.empty() &&
                  keyframe(order_.size() - 1).sequence + 1 == message.sequence;
   const bool added = order_.push_back(id.value());
   PIRVS_ASSERT(added);
+  if (message.close) close(message);
   for (int c = 0; c < kCamerasMax; ++c) {
     fresh.observations[c] = message.observations[c];
     for (Observation& sighting : fresh.observations[c]) {
@@ -444,8 +488,9 @@ void Mapper::spread_error() {
   Keyframe& oldest = keyframe(members_[static_cast<size_t>(window_first_)].order);
   const Keyframe& newest = keyframe(order_.size() - 1);
   const Mat6& A = bundle_.oldest_follows();
-  oldest.error = error_of_pose(oldest.state.T_WB.R,
-                               A * held_error_ * A.transpose() + bundle_.oldest_pose_cov());
+  last_added_ = oldest.added = error_of_pose(oldest.state.T_WB.R, bundle_.oldest_pose_cov());
+  oldest.error =
+      error_of_pose(oldest.state.T_WB.R, A * held_error_ * A.transpose()) + oldest.added;
   const Mat6 B = bundle_.newest_follows().topRows<6>();
   newest_error_ = error_of_pose(newest.state.T_WB.R, B * held_error_ * B.transpose() +
                                                          newest_cov_.topLeftCorner<6, 6>());
@@ -509,6 +554,7 @@ void Mapper::publish(bool adjusted) {
               landmark->distance_m,
               {landmark->track[0], landmark->track[1]},
               landmark->last_keyframe == newest.sequence,
+              landmark->last_keyframe,
               landmark->epoch};
     if (!point->in_newest) point->track[0] = point->track[1] = 0;
   }

@@ -10,6 +10,7 @@
 
 #include "modules/map/map.h"
 #include "modules/mapping/bundle.h"
+#include "modules/mapping/loop_closure.h"
 #include "modules/mapping/mapping_params.h"
 #include "modules/mapping/triangulate.h"
 #include "modules/tracking/tracker.h"
@@ -42,6 +43,7 @@ class Mapper {
 
   void insert(const KeyframeMessage& message);
   void join(const KeyframeMessage& message);
+  void close(const KeyframeMessage& message);
   size_t run_begin() const;
   void remove_keyframe(size_t order);
   LandmarkId landmark_of_track(int camera, TrackId track);
@@ -94,7 +96,7 @@ class Mapper {
   Mat15 newest_cov_ = Mat15::Identity();
   Mat6 run_error_ = Mat6::Zero();  // of the last start
   Mat6 held_error_ = Mat6::Zero();  // of what holds the adjustment, about its oldest free frame
-  Mat6 newest_error_ = Mat6::Zero();
+  Mat6 newest_error_ = Mat6::Zero(), last_added_ = Mat6::Zero();
   MappingCounters counters_;
 };
 

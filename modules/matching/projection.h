@@ -21,6 +21,7 @@ class MapView {
   void clear();
   const MapPoint* find(LandmarkId id) const;
   const FixedVector<uint16_t, kLandmarksMax>& local() const { return local_; }
+  uint32_t keyframe() const { return snapshot_ == nullptr ? 0 : snapshot_->keyframe; }
   uint16_t epoch() const { return snapshot_ == nullptr ? 0 : snapshot_->epoch; }
   const MapPoint& point(uint16_t index) const { return snapshot_->points[index]; }
   bool empty() const { return snapshot_ == nullptr; }

@@ -39,8 +39,23 @@ void Recogniser::configure(const Camera* cameras, int count, const TrackerParams
   params_ = params;
 }
 
-void Recogniser::find_pairs(const MapView& view, EpochRule rule, const Mat3& R_WB,
-                            const Tracks* const* tracks) {
+void Recogniser::find_candidates(const MapView& view, PlaceRule rule) {
+  candidates_.clear();
+  if (rule == PlaceRule::kOld) {
+    const uint32_t ago = static_cast<uint32_t>(params_.loop_keyframes_min);
+    for (const uint16_t p : view.local()) {
+      if (view.point(p).last_keyframe + ago < view.keyframe()) (void)candidates_.push_back(p);
+    }
+    return;
+  }
+  for (size_t i = 0; i < view.points(); ++i) {
+    const uint16_t p = static_cast<uint16_t>(i);
+    const bool same = view.point(p).epoch == view.epoch();
+    if (same == (rule == PlaceRule::kSame)) (void)candidates_.push_back(p);
+  }
+}
+
+void Recogniser::find_pairs(const MapView& view, const Mat3& R_WB, const Tracks* const* tracks) {
   pairs_.clear();
   for (int c = 0; c < cameras_; ++c) {
     const Mat3 R_LC = R_WB * camera_[c].T_BC.R;
@@ -49,14 +64,12 @@ void Recogniser::find_pairs(const MapView& view, EpochRule rule, const Mat3& R_W
       Vec3 f_C;
       if (!track.described || !camera_[c].unproject(Vec2(track.x, track.y), f_C)) continue;
       int best = -1, distance = kHammingNone, second = kHammingNone;
-      for (size_t p = 0; p < view.points(); ++p) {
-        const MapPoint& point = view.point(static_cast<uint16_t>(p));
-        if ((point.epoch == view.epoch()) != (rule == EpochRule::kSame)) continue;
-        const int d = hamming(track.descriptor, point.descriptor);
+      for (const uint16_t p : candidates_) {
+        const int d = hamming(track.descriptor, view.point(p).descriptor);
         if (d < distance) {
           second = distance;
           distance = d;
-          best = static_cast<int>(p);
+          best = p;
         } else if (d < second) {
           second = d;
         }
@@ -116,10 +129,12 @@ int Recogniser::score(const Guess& guess, bool mark) {
   return fits;
 }
 
-bool Recogniser::solve(const MapView& view, EpochRule rule, const Mat3& R_WB,
+bool Recogniser::solve(const MapView& view, PlaceRule rule, const Mat3& R_WB,
                        const Tracks* const* tracks, Recognition& out) {
   const int wanted = static_cast<int>(params_.recognise_matches_min);
-  find_pairs(view, rule, R_WB, tracks);
+  find_candidates(view, rule);
+  if (static_cast<int>(candidates_.size()) < wanted) return false;
+  find_pairs(view, R_WB, tracks);
   const uint32_t n = static_cast<uint32_t>(pairs_.size());
   if (static_cast<int>(n) < wanted) return false;
   Lottery lottery;

@@ -4,8 +4,8 @@
 // Out     T_WB in the points' world, and which track shows which point.
 // Frames  W, B, C. What is found turns the given attitude about the vertical.
 // Errors  false: too few matches that fit one pose.
-// Cost    ~2 ns a pair of track and point: 3 ms for 180 tracks and 8000 points, x86-64. While the
-//         place is unknown only.
+// Cost    ~2 ns a pair of track and point: 3 ms for 180 tracks and 8000 points, x86-64, while the
+//         place is unknown only; of old points few are in view.
 // Source  Fischler, Bolles, 1981 (RANSAC); absolute pose with known vertical direction as in
 //         Kukelova et al., ACCV 2010, linear over three points.
 #pragma once
@@ -14,7 +14,9 @@
 
 namespace pirvs {
 
-enum class EpochRule : uint8_t { kSame, kOther };  // as the snapshot's newest keyframe, or not
+// Which points: of the snapshot's epoch; of another; of its epoch, where they should be in view, but
+// seen last by a keyframe loop_keyframes_min ago or earlier.
+enum class PlaceRule : uint8_t { kSame, kOther, kOld };
 
 struct Recognition {
   struct Match {
@@ -30,7 +32,7 @@ struct Recognition {
 class Recogniser {
  public:
   void configure(const Camera* cameras, int count, const TrackerParams& params);
-  bool solve(const MapView& view, EpochRule rule, const Mat3& R_WB, const Tracks* const* tracks,
+  bool solve(const MapView& view, PlaceRule rule, const Mat3& R_WB, const Tracks* const* tracks,
              Recognition& out);
 
  private:
@@ -47,14 +49,15 @@ class Recogniser {
     Vec3 s_L = Vec3::Zero();  // B's place, turned back
   };
 
-  void find_pairs(const MapView& view, EpochRule rule, const Mat3& R_WB,
-                  const Tracks* const* tracks);
+  void find_candidates(const MapView& view, PlaceRule rule);
+  void find_pairs(const MapView& view, const Mat3& R_WB, const Tracks* const* tracks);
   static bool fit(const Pair* const* pairs, int count, Guess& out);
   int score(const Guess& guess, bool mark);
 
   Camera camera_[kCamerasMax];
   int cameras_ = 0;
   TrackerParams params_;
+  FixedVector<uint16_t, kLandmarksMax> candidates_;  // points of the view
   FixedVector<Pair, kCamerasMax * kTracksMax> pairs_;
 };
 

@@ -68,7 +68,7 @@ struct Case {
       }
     }
   }
-  bool solve(EpochRule rule = EpochRule::kSame) {
+  bool solve(PlaceRule rule = PlaceRule::kSame) {
     // The tilt is known, heading and place are not.
     const Mat3 R_WB = so3_exp(Vec3(0, 0, 2.0)) * truth.R;
     const Tracks* const lists[kCamerasMax] = {&tracks[0], &tracks[1]};
@@ -121,11 +121,11 @@ TEST(recognise, wrong_matches_make_no_place) {
 
 TEST(recognise, looks_only_among_the_epochs_that_are_asked_for) {
   Case c(60);
-  EXPECT_FALSE(c.solve(EpochRule::kOther));
+  EXPECT_FALSE(c.solve(PlaceRule::kOther));
   c.snapshot->epoch = 2;
   c.view->assign(*c.snapshot, SE3{}, c.rig.camera, kCamerasMax);
-  EXPECT_FALSE(c.solve(EpochRule::kSame));
-  ASSERT_TRUE(c.solve(EpochRule::kOther));
+  EXPECT_FALSE(c.solve(PlaceRule::kSame));
+  ASSERT_TRUE(c.solve(PlaceRule::kOther));
   EXPECT_EQ(c.found.epoch, 1);
 }
 

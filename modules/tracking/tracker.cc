@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/LU>
+
 #include "core/base/assert.h"
 #include "core/math/so3.h"
 #include "core/math/trig.h"
@@ -14,6 +16,9 @@ constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;   // cameras, a bi
 constexpr size_t kTracksSeeing = 8;                             // fewer: the camera sees nothing
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
 // By how much an untracked device may turn from what the gyro says, and go.
+// A recognised place is not better known than this; a loop that is off by less is closed already.
+constexpr double kLocated_rad = 0.002, kLocated_m = 0.01;
+constexpr double kLoopChi2_max = 18.5;  // 4 dof, 99.9 %
 constexpr double kUntracked_rad_s = 0.02, kUntracked_m_s = 1.0;
 
 Mat6 error_of_sigmas(double sigma_rad, double sigma_m) {
@@ -33,6 +38,7 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
   keyframes_ = keyframes;
   mailbox_ = map;
   filter_.configure(cameras, noise, params.filter);
+  locator_.configure(cameras, noise, params.filter);
   starter_.configure(cameras, noise, params.filter, params.tracker);
   stereo_.configure(cameras[0], cameras[1], params.stereo);
   health_.configure(params.health);
@@ -343,13 +349,13 @@ void Tracker::interrupt() {
   standstill_.reset();
   has_imu_ = false;
   history_size_ = 0;
-  last_frame_t_ = last_pair_t_ = last_recognise_t_ = light_since_ = 0;
+  last_frame_t_ = last_pair_t_ = last_recognise_t_ = last_loop_t_ = light_since_ = 0;
   R_BlBn_.setIdentity();
 }
 
 // ---- recognising a place ----------------------------------------------------------------------
 
-bool Tracker::recognise(TimeNs t, EpochRule rule, const Mat3& R_WB, Frontend* frontends,
+bool Tracker::recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB, Frontend* frontends,
                         Recognition& out) {
   if (to_seconds(t - last_recognise_t_) < params_.tracker.recognise_every_s) return false;
   last_recognise_t_ = t;
@@ -363,7 +369,7 @@ bool Tracker::recognise(TimeNs t, EpochRule rule, const Mat3& R_WB, Frontend* fr
 void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
   Recognition& found = recognition_;
   BodyState state = filter_.state();
-  if (!recognise(t, EpochRule::kSame, state.T_WB.R, frontends, found)) return;
+  if (!recognise(t, PlaceRule::kSame, state.T_WB.R, frontends, found)) return;
   state.v_WB = found.T_WB.R * state.T_WB.R.transpose() * state.v_WB;
   state.T_WB = found.T_WB;
   Mat15 cov = filter_.cov();
@@ -389,7 +395,7 @@ void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
 // A start that knew no place looks for the older map; mapping then carries over what it made since.
 bool Tracker::try_join(TimeNs t, Frontend* frontends) {
   Recognition& found = recognition_;
-  if (!recognise(t, EpochRule::kOther, filter_.state().T_WB.R, frontends, found)) return false;
+  if (!recognise(t, PlaceRule::kOther, filter_.state().T_WB.R, frontends, found)) return false;
   KeyframeMessage* message = begin_keyframe(t, frontends);
   if (message == nullptr) return false;
   T_join_ = found.T_WB * filter_.state().T_WB.inverse();
@@ -403,6 +409,82 @@ bool Tracker::try_join(TimeNs t, Frontend* frontends) {
   end_keyframe(*message);
   place_known_ = joining_ = true;
   ++counters_.joins;
+  return true;
+}
+
+// The pose from what was recognised, by the filter's own update: loosely, then with its gate tight.
+int Tracker::locate(const Recognition& found, const Frontend* frontends, SE3& T_WB, Mat6& error) {
+  correspondences_.clear();
+  for (const Recognition::Match& match : found.matches) {
+    const Track& track = frontends[match.camera].tracks()[match.track];
+    const MapPoint* point = view_.find(match.landmark);
+    if (point == nullptr) continue;
+    (void)correspondences_.push_back({point->p_W, point->cov, Vec2(track.x, track.y),
+                                      params_.filter.sigma_px, match.camera, Gate::kAccepted});
+  }
+  BodyState state = filter_.state();
+  state.T_WB = found.T_WB;
+  int accepted = 0;
+  for (const double scale : {1.0, 0.2}) {
+    Vec15 sigma = Vec15::Ones();
+    sigma.head<3>().setConstant(kRecognised_rad * scale);
+    sigma.segment<3>(3).setConstant(kRecognised_m * scale);
+    locator_.reset(state, Mat15(sigma.cwiseAbs2().asDiagonal()));
+    accepted = locator_.update(correspondences_);
+    state = locator_.state();
+  }
+  T_WB = state.T_WB;
+  error = error_of_pose(T_WB.R, locator_.cov().topLeftCorner<6, 6>()) +
+          error_of_sigmas(kLocated_rad, kLocated_m);
+  return accepted;
+}
+
+// A place of this very map is seen again, but not where it should be: the way since was off, and
+// mapping spreads that over it.
+bool Tracker::try_close(TimeNs t, Frontend* frontends) {
+  if (to_seconds(t - last_loop_t_) < params_.tracker.loop_every_s) return false;
+  last_loop_t_ = t;
+  const SE3& T_WB = filter_.state().T_WB;
+  const Tracks* const tracks[kCamerasMax] = {&frontends[0].tracks(), &frontends[1].tracks()};
+  Recognition& found = recognition_;
+  SE3 T_found;
+  Mat6 located;
+  const int wanted = static_cast<int>(params_.tracker.loop_matches_min);
+  if (!recogniser_.solve(view_, PlaceRule::kOld, T_WB.R, tracks, found) ||
+      locate(found, frontends, T_found, located) < wanted) {
+    return false;
+  }
+  Vec6 xi;
+  xi << so3_log(T_found.R * T_WB.R.transpose()), T_found.p - T_WB.p;
+  const Vec4 off = gauge_of(xi);
+  const Mat4 R = gauge_of(located);
+  if (off.dot(R.inverse() * off) < kLoopChi2_max) return false;
+  const Mat6 error = error_about(T_WB.p, map_error_at_, map_error_);
+  const Mat4 S = params_.tracker.cov_scale * gauge_of(error) + R;
+  if (off.dot(S.inverse() * off) > kLoopChi2_max) {
+    ++counters_.loops_implausible;
+    return false;
+  }
+  for (const Recognition::Match& match : found.matches) {
+    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
+  }
+  KeyframeMessage* message = begin_keyframe(t, frontends);
+  if (message == nullptr) return false;
+  message->close = true;
+  message->off = off;
+  message->off_cov = R;
+  message->closes_to = 0;
+  for (const Recognition::Match& match : found.matches) {
+    const MapPoint* point = view_.find(match.landmark);
+    message->closes_to = std::max(message->closes_to, point->last_keyframe);
+  }
+  xi.head<2>().setZero();
+  T_join_ = motion_of(xi, T_WB.p);
+  end_keyframe(*message);
+  last_keyframe_.T_WB = T_join_ * last_keyframe_.T_WB;
+  last_keyframe_.v_WB = T_join_.R * last_keyframe_.v_WB;
+  joining_ = true;
+  ++counters_.loops;
   return true;
 }
 
@@ -455,7 +537,7 @@ Mat6 Tracker::find_place(TimeNs t, Frontend* frontends) {
   const BodyState& state = starter_.state();
   last_recognise_t_ = 0;
   place_known_ = view_.points() == 0;
-  if (!place_known_ && recognise(t, EpochRule::kSame, state.T_WB.R, frontends, found)) {
+  if (!place_known_ && recognise(t, PlaceRule::kSame, state.T_WB.R, frontends, found)) {
     starter_.move(found.T_WB * state.T_WB.inverse());
     place_known_ = true;
     epoch_ = found.epoch;
@@ -507,6 +589,10 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameR
   result.keyframe = true;
   if (!place_known_ && try_join(t, frontends)) {
     result.joined = true;
+    return;
+  }
+  if (try_close(t, frontends)) {
+    result.closed = true;
     return;
   }
   KeyframeMessage* message = begin_keyframe(t, frontends);
@@ -626,7 +712,7 @@ KeyframeMessage* Tracker::begin_keyframe(TimeNs t, Frontend* frontends) {
   observe(frontends, message->observations);
   message->from_previous = since_keyframe_;
   message->linked = message->adjust = true;
-  message->restart = message->renew = message->join = false;
+  message->restart = message->renew = message->join = message->close = false;
   message->at_rest = standstill_.at_rest();
   message->epoch = epoch_;
   return message;

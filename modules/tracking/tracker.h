@@ -15,6 +15,7 @@
 #include "modules/map/map_error.h"
 #include "modules/matching/projection.h"
 #include "modules/matching/recognise.h"
+#include "modules/mapping/loop_closure.h"
 #include "modules/matching/stereo.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/starter.h"
@@ -37,13 +38,14 @@ struct TrackingCounters {
   uint32_t keyframes = 0, keyframes_dropped = 0, snapshots = 0, snapshots_late = 0;
   uint32_t matched_by_projection = 0, standstill_frames = 0, tracks_dropped = 0;
   uint32_t recognitions = 0, recognitions_failed = 0, joins = 0, jumps = 0;
+  uint32_t loops = 0, loops_implausible = 0;
   uint32_t gates[static_cast<int>(Gate::kCount)] = {};
 };
 
 struct FrameResult {
   bool has_pose = false;
   bool started = false, started_at_rest = false, health_changed = false, keyframe = false;
-  bool recognised = false, joined = false;
+  bool recognised = false, joined = false, closed = false;
   int correspondences = 0, accepted = 0;
 };
 
@@ -85,10 +87,12 @@ class Tracker {
   void associate(const MapSnapshot& snapshot, Frontend* frontends);
   void collect(Frontend* frontends);
   void update(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
-  bool recognise(TimeNs t, EpochRule rule, const Mat3& R_WB, Frontend* frontends, Recognition& out);
+  bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB, Frontend* frontends, Recognition& out);
   void relocalize(TimeNs t, Frontend* frontends, FrameResult& result);
   void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   bool try_join(TimeNs t, Frontend* frontends);
+  bool try_close(TimeNs t, Frontend* frontends);
+  int locate(const Recognition& found, const Frontend* frontends, SE3& T_WB, Mat6& error);
   void lose();
   Mat6 find_place(TimeNs t, Frontend* frontends);  // and how uncertain it is
   void carry_over();
@@ -113,7 +117,7 @@ class Tracker {
   KeyframeRing* keyframes_ = nullptr;
   MapMailbox* mailbox_ = nullptr;
 
-  Filter filter_;
+  Filter filter_, locator_;
   Starter starter_;
   StereoMatcher stereo_;
   Health health_;
@@ -135,7 +139,7 @@ class Tracker {
   uint32_t sequence_ = 0;
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
   bool place_known_ = true;          // this epoch is the map's first, or was joined to it
-  TimeNs last_recognise_t_ = 0;
+  TimeNs last_recognise_t_ = 0, last_loop_t_ = 0;
   TimeNs light_since_ = 0;  // blind no longer, but the place not yet recognised; 0: neither
   bool located_ = false;    // matches have been enough since the start
   bool joining_ = false;    // mapping carries this epoch over to another by T_join_

@@ -51,7 +51,10 @@ struct TrackerParams {
   float recognise_every_s = 0.2f;
   float recognise_wait_s = 0.5f;
   float recognise_matches_min = 12.0f;
-  float cov_scale = 1.6f;
+  float loop_keyframes_min = 30.0f;
+  float loop_every_s = 0.5f;
+  float loop_matches_min = 30.0f;
+  float cov_scale = 2.0f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
@@ -88,6 +91,11 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "after blindness, mapping waits this long for the place to be recognised"},
     {"recognise_matches_min", &TrackerParams::recognise_matches_min, 4, 200, "1",
      "matches that fit one pose and make a place recognised"},
+    {"loop_keyframes_min", &TrackerParams::loop_keyframes_min, 5, 384, "1",
+     "a point seen last so many keyframes ago is old: where it is found again, a loop closes"},
+    {"loop_every_s", &TrackerParams::loop_every_s, 0, 60, "s", "time between looks for a loop"},
+    {"loop_matches_min", &TrackerParams::loop_matches_min, 4, 400, "1",
+     "matches with old points that fit one pose and close a loop"},
     {"cov_scale", &TrackerParams::cov_scale, 0.1f, 100, "1",
      "times the covariance on its way out: views of one point share errors that no model knows"},
 };
