@@ -90,7 +90,8 @@ LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench check format \
+.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench consistency \
+  check format \
   setup clean FORCE
 
 help: ## this list
@@ -182,6 +183,12 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
+
+# 50 flights: half an hour of one core.
+FLIGHTS ?= 50
+consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 simulated ones
+	@tools/consistency/consistency --pirvs $(OUT)/pirvs --out $(BUILD)/consistency \
+	  --flights $(FLIGHTS) $(ARGS)
 
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
 	@for board in $(BARE_BOARDS); do $(MAKE) --no-print-directory BOARD=$$board all size; done

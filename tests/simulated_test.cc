@@ -30,6 +30,16 @@ TEST(simulated_flight, euroc_is_tracked_to_half_a_percent) {
   expect_tracked(euroc_run());
 }
 
+// NEES is 3 where the covariance is honest; the filter's alone gives 1000. One flight says no more.
+TEST(simulated_flight, the_covariance_contains_the_error) {
+  const tools::Nees& nees = euroc_run().result.nees;
+  ASSERT_TRUE(nees.ok);
+  for (int part = 0; part < tools::kNeesParts; ++part) {
+    EXPECT_LT(nees.mean[part], 10) << tools::kNeesNames[part];
+    EXPECT_GT(nees.mean[part], 0.05) << tools::kNeesNames[part];
+  }
+}
+
 TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
   const Replay run = replay(simulated(SimulatedDevice::kIronsides));
   print("ironsides", run);

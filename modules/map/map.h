@@ -59,7 +59,7 @@ struct Keyframe {
   Preintegration from_previous;  // motion since keyframe `sequence - 1`
   bool linked = false;           // from_previous holds
   bool at_rest = false;
-  uint16_t epoch = 0;  // one for each start: only within one are places exact to each other
+  uint16_t epoch = 0;         // one for each start: only within one are places exact to each other
   Mat6 error = Mat6::Zero();  // of the pose: map_error.h, about its own place
   Mat6 added = Mat6::Zero();  // of that, against the keyframe before
 };
@@ -78,7 +78,7 @@ struct MapPoint {
   Vec3 view_W;
   float distance_m;
   TrackId track[kCamerasMax];
-  bool in_newest;  // the newest keyframe saw it: `track` is complete
+  bool in_newest;          // the newest keyframe saw it: `track` is complete
   uint32_t last_keyframe;  // the newest that saw it
   uint16_t epoch;
 };
@@ -103,14 +103,14 @@ struct KeyframeMessage {
   bool linked = false;
   bool adjust = true;  // false: more keyframes follow at once (start-up)
   uint16_t epoch = 0;
-  bool restart = false;  // a start: nothing links it to the keyframe before
+  bool restart = false;       // a start: nothing links it to the keyframe before
   Mat6 error = Mat6::Zero();  // of a start: how uncertain its place is, map_error.h
-  bool renew = false;    // in place of the keyframe before
+  bool renew = false;         // in place of the keyframe before
   // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from
   // now.
   bool join = false;
   uint16_t joining = 0;
-  SE3 T_join;            // a turn about the vertical and a shift
+  SE3 T_join;  // a turn about the vertical and a shift
   // An old place was recognised: keyframes after `closes_to` are off, this one by a turn about the
   // vertical and a shift, of covariance off_cov (loop_closure.h). Some observations name old points.
   bool close = false;

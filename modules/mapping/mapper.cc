@@ -489,11 +489,10 @@ void Mapper::spread_error() {
   const Keyframe& newest = keyframe(order_.size() - 1);
   const Mat6& A = bundle_.oldest_follows();
   last_added_ = oldest.added = error_of_pose(oldest.state.T_WB.R, bundle_.oldest_pose_cov());
-  oldest.error =
-      error_of_pose(oldest.state.T_WB.R, A * held_error_ * A.transpose()) + oldest.added;
+  oldest.error = error_of_pose(oldest.state.T_WB.R, A * held_error_ * A.transpose()) + oldest.added;
   const Mat6 B = bundle_.newest_follows().topRows<6>();
-  newest_error_ = error_of_pose(newest.state.T_WB.R, B * held_error_ * B.transpose() +
-                                                         newest_cov_.topLeftCorner<6, 6>());
+  newest_error_ = error_of_pose(
+      newest.state.T_WB.R, B * held_error_ * B.transpose() + newest_cov_.topLeftCorner<6, 6>());
 }
 
 void Mapper::remove_outliers() {

@@ -94,7 +94,7 @@ class Mapper {
   WindowPrior prior_;
   uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();
-  Mat6 run_error_ = Mat6::Zero();  // of the last start
+  Mat6 run_error_ = Mat6::Zero();   // of the last start
   Mat6 held_error_ = Mat6::Zero();  // of what holds the adjustment, about its oldest free frame
   Mat6 newest_error_ = Mat6::Zero(), last_added_ = Mat6::Zero();
   MappingCounters counters_;

@@ -41,6 +41,9 @@ struct Case {
     point.p_W = truth * p_B + random.vec(0.005);
     point.descriptor = random_descriptor(random);
     point.epoch = 1;
+    const Vec3 towards = truth.p - point.p_W;
+    point.distance_m = static_cast<float>(towards.norm());
+    point.view_W = towards.normalized();
     (void)snapshot->points.push_back(point);
   }
   void look() {
@@ -127,6 +130,20 @@ TEST(recognise, looks_only_among_the_epochs_that_are_asked_for) {
   EXPECT_FALSE(c.solve(PlaceRule::kSame));
   ASSERT_TRUE(c.solve(PlaceRule::kOther));
   EXPECT_EQ(c.found.epoch, 1);
+}
+
+TEST(recognise, old_points_in_view_alone_close_a_loop) {
+  Case c(65);
+  c.snapshot->keyframe = 100;
+  for (MapPoint& point : c.snapshot->points) point.last_keyframe = 100 - point.id.slot % 2 * 60;
+  c.view->assign(*c.snapshot, c.truth, c.rig.camera, kCamerasMax);
+  ASSERT_TRUE(c.solve(PlaceRule::kOld));
+  EXPECT_LT((c.found.T_WB.p - c.truth.p).norm(), 0.02);
+  for (const Recognition::Match& match : c.found.matches) EXPECT_EQ(match.landmark.slot % 2, 1);
+  EXPECT_GT(c.found.matches.size(), 30u);
+  const SE3 elsewhere{c.truth.R * so3_exp(Vec3(0, 0, 2)), c.truth.p};
+  c.view->assign(*c.snapshot, elsewhere, c.rig.camera, kCamerasMax);
+  EXPECT_FALSE(c.solve(PlaceRule::kOld)) << "out of view";
 }
 
 TEST(recognise, is_the_same_twice) {

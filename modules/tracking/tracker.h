@@ -13,9 +13,9 @@
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
 #include "modules/map/map_error.h"
+#include "modules/mapping/loop_closure.h"
 #include "modules/matching/projection.h"
 #include "modules/matching/recognise.h"
-#include "modules/mapping/loop_closure.h"
 #include "modules/matching/stereo.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/starter.h"
@@ -124,14 +124,14 @@ class Tracker {
   StandstillDetector standstill_;
   MapView view_;
   bool running_ = false;
-  uint8_t start_cameras_ = 0;  // that the attempt to start looks through, a bit each
-  TimeNs last_pair_t_ = 0;     // when both cameras last saw something
-  SE3 origin_;                 // where a restart continues
+  uint8_t start_cameras_ = 0;         // that the attempt to start looks through, a bit each
+  TimeNs last_pair_t_ = 0;            // when both cameras last saw something
+  SE3 origin_;                        // where a restart continues
   Mat6 origin_error_ = Mat6::Zero();  // of that
   TimeNs origin_t_ = 0;
   Mat6 map_error_ = Mat6::Zero();  // of the map about map_error_at_
   Vec3 map_error_at_ = Vec3::Zero();
-  SE3 T_WB_last_frame_;        // for flow prediction
+  SE3 T_WB_last_frame_;  // for flow prediction
   TimeNs last_frame_t_ = 0;
   Mat3 R_B0B_last_ = Mat3::Identity();
   Preintegration since_keyframe_;

@@ -10,6 +10,8 @@
 #include <thread>
 #include <vector>
 
+#include "modules/imu/imu_params.h"
+#include "modules/mapping/mapping_params.h"
 #include "tools/dataset/input_error.h"
 #include "tools/sim/random.h"
 #include "tools/sim/render.h"
@@ -119,18 +121,23 @@ void write_camera(const Job& job, int c) {
 
 void write_imu(const Job& job) {
   const std::string mav0 = job.options.out + "/mav0";
-  const ImuModel model{job.device.calibration.imu, job.options.gyro_bias_rad_s,
-                       job.options.accel_bias_m_s2};
+  const ImuNoise& told = job.device.calibration.imu;
+  ImuModel model{told, job.options.gyro_bias_rad_s, job.options.accel_bias_m_s2};
+  if (job.options.imu_as_expected) {
+    const MappingParams expected;
+    model = {scaled(told, ImuParams{}), double(expected.start_sigma_gyro_bias),
+             double(expected.start_sigma_accel_bias)};
+  }
   Text sensor(mav0 + "/imu0/sensor.yaml");
   sensor.print("sensor_type: imu\ncomment: simulated %s IMU\n", job.device.name);
   write_transform(sensor, SE3{});
   // A recording without noise still needs densities above zero to be estimated with.
   const auto density = [](double value, double least) { return std::max(value, least); };
-  sensor.print("rate_hz: %g\n", model.noise.rate_hz);
-  sensor.print("gyroscope_noise_density: %.6g\n", density(model.noise.gyro_noise, 1e-5));
-  sensor.print("gyroscope_random_walk: %.6g\n", density(model.noise.gyro_walk, 1e-6));
-  sensor.print("accelerometer_noise_density: %.6g\n", density(model.noise.accel_noise, 1e-4));
-  sensor.print("accelerometer_random_walk: %.6g\n", density(model.noise.accel_walk, 1e-5));
+  sensor.print("rate_hz: %g\n", told.rate_hz);
+  sensor.print("gyroscope_noise_density: %.6g\n", density(told.gyro_noise, 1e-5));
+  sensor.print("gyroscope_random_walk: %.6g\n", density(told.gyro_walk, 1e-6));
+  sensor.print("accelerometer_noise_density: %.6g\n", density(told.accel_noise, 1e-4));
+  sensor.print("accelerometer_random_walk: %.6g\n", density(told.accel_walk, 1e-5));
   Text samples(mav0 + "/imu0/data.csv");
   samples.print("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],");
   samples.print("a_RS_S_y,a_RS_S_z\n");

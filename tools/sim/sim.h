@@ -27,6 +27,9 @@ struct SimOptions {
   double gyro_noise = -1, gyro_walk = -1, accel_noise = -1, accel_walk = -1;  // < 0: the device's
   double gyro_bias_rad_s = 0.02;
   double accel_bias_m_s2 = 0.05;
+  // As far from its data sheet as the estimator's parameters take an IMU to be: for tests of its
+  // covariance. The recording says what the data sheet says.
+  bool imu_as_expected = false;
   double exposure_ms = 5;
   int blur = 4;                // sub-images of an exposure at most; 1: no motion blur
   double image_noise = 3;      // sigma, grey values at mid grey

@@ -46,6 +46,8 @@ void declare_imu(CLI::App& app, SimOptions& o) {
   app.add_option("--gyro-walk", o.gyro_walk, "rad/s^2/sqrt(Hz)");
   app.add_option("--accel-noise", o.accel_noise, "m/s^2/sqrt(Hz)");
   app.add_option("--accel-walk", o.accel_walk, "m/s^3/sqrt(Hz)");
+  app.add_flag("--imu-as-expected", o.imu_as_expected,
+               "noise and biases as the estimator's parameters expect them, sensor.yaml unchanged");
   app.add_option("--gyro-bias", o.gyro_bias_rad_s, "sigma of the bias at the start, rad/s")
       ->capture_default_str();
   app.add_option("--accel-bias", o.accel_bias_m_s2, "sigma of the bias at the start, m/s^2")

@@ -1,0 +1,154 @@
+#include "modules/mapping/mapper.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "modules/testing.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Random;
+using testing::Rig;
+using testing::Sway;
+
+constexpr double kInterval_s = 0.25;
+
+// A way along a wall of points, seen by both cameras; each track is one point's for good.
+struct Way {
+  Way() : random(1), rig(CameraModel::kPinholeRadtan) {
+    sway.amplitude_m = Vec3(0.2, 3.0, 0.2);
+    sway.omega_rad_s.y() = 0.5;
+    noise.gyro_noise = 4e-4;
+    noise.accel_noise = 2e-2;
+    for (int i = 0; i < 900; ++i) {
+      points.push_back(
+          Vec3(random.uniform(3, 5), random.uniform(-6, 6), random.uniform(-1.2, 1.2)));
+    }
+    mapper->configure(rig.camera, noise, MappingParams{}, ring.get(), mailbox.get());
+  }
+  void look(KeyframeMessage& message) {
+    for (Observations& observations : message.observations) observations.clear();
+    const SE3& T_WB = sway.state(to_seconds(message.state.t)).T_WB;
+    for (size_t i = 0; i < points.size(); ++i) {
+      Vec2 uv[kCamerasMax];
+      if (!rig.see(T_WB, 0, points[i], uv[0]) || !rig.see(T_WB, 1, points[i], uv[1])) continue;
+      if (message.observations[0].full()) break;
+      for (int c = 0; c < kCamerasMax; ++c) {
+        Observation* o = message.observations[c].append();
+        *o = Observation{};
+        o->track = static_cast<TrackId>(i + 1);
+        const Vec2 noisy = uv[c] + random.pixel(0.3);
+        o->x = static_cast<float>(noisy.x());
+        o->y = static_cast<float>(noisy.y());
+        o->described = true;
+        o->stereo = static_cast<int16_t>(message.observations[c].size() - 1);
+      }
+    }
+  }
+  // The next keyframe of the way, where mapping believes it to be.
+  KeyframeMessage& next() {
+    KeyframeMessage& message = *ring->begin_push();
+    const double t_s = sent * kInterval_s;
+    message = KeyframeMessage{};
+    message.sequence = ++sent;
+    message.state = sway.state(t_s);
+    message.state.T_WB = T_drift * message.state.T_WB;
+    message.state.v_WB = T_drift.R * message.state.v_WB;
+    look(message);
+    message.restart = sent == 1;
+    message.linked = sent > 1;
+    if (message.linked) message.from_previous = sway.between(t_s - kInterval_s, t_s, noise);
+    return message;
+  }
+  void map() {
+    ring->end_push();
+    for (int guard = 0; guard < 100'000 && mapper->busy(); ++guard) mapper->step();
+    snapshot = mailbox->take();
+  }
+  const Keyframe* keyframe(uint32_t sequence) const {
+    const Pool<Keyframe, kKeyframesMax>& pool = mapper->map().keyframes;
+    for (size_t slot = 0; slot < pool.capacity(); ++slot) {
+      const Keyframe* k = pool.at(slot);
+      if (k != nullptr && k->sequence == sequence) return k;
+    }
+    return nullptr;
+  }
+
+  Random random;
+  Rig rig;
+  Sway sway;
+  ImuNoise noise;
+  std::vector<Vec3> points;
+  SE3 T_drift;
+  uint32_t sent = 0;
+  const MapSnapshot* snapshot = nullptr;
+  std::unique_ptr<KeyframeRing> ring = std::make_unique<KeyframeRing>();
+  std::unique_ptr<MapMailbox> mailbox = std::make_unique<MapMailbox>();
+  std::unique_ptr<Mapper> mapper = std::make_unique<Mapper>();
+};
+
+TEST(mapper, keyframes_become_less_certain_along_the_way) {
+  Way way;
+  for (int i = 0; i < 24; ++i) {
+    way.next();
+    way.map();
+    ASSERT_NE(way.snapshot, nullptr);
+    ASSERT_TRUE(way.snapshot->adjusted) << i;
+  }
+  EXPECT_LT(way.keyframe(1)->error.diagonal().tail<4>().maxCoeff(), 1e-6) << "by convention";
+  const Mat6& early = way.keyframe(3)->error;
+  const Mat6& late = way.keyframe(15)->error;
+  EXPECT_GT(late.diagonal().tail<4>().minCoeff(), 0);
+  EXPECT_GT(late(3, 3) + late(4, 4), early(3, 3) + early(4, 4));
+  EXPECT_GT(late(2, 2), early(2, 2)) << "heading";
+  EXPECT_LT(late(2, 2), 0.02 * 0.02);
+  EXPECT_GT(way.snapshot->error(2, 2), late(2, 2)) << "what tracking hears of is the newest's";
+}
+
+TEST(mapper, a_closed_loop_moves_what_came_since_and_nothing_before) {
+  Way way;
+  for (int i = 0; i < 24; ++i) {
+    way.next();
+    way.map();
+  }
+  std::vector<SE3> before;
+  for (uint32_t s = 1; s <= 24; ++s) before.push_back(way.keyframe(s)->state.T_WB);
+  const double error_before = way.snapshot->error(2, 2);
+  const uint32_t failed = way.mapper->counters().adjustments_failed;
+  KeyframeMessage& message = way.next();
+  message.close = true;
+  message.closes_to = 5;
+  message.off << 0.002, 0.01, -0.02, 0.015;
+  message.off_cov = Vec4(1e-8, 1e-8, 1e-8, 1e-8).asDiagonal();
+  const SE3 newest = message.state.T_WB;
+  message.adjust = false;  // the correction alone
+  way.map();
+  way.mapper->step();
+  for (uint32_t s = 1; s <= 5; ++s) {
+    EXPECT_EQ(way.keyframe(s)->state.T_WB.p, before[s - 1].p) << s;
+  }
+  const auto moved = [&](uint32_t s) {
+    return (way.keyframe(s)->state.T_WB.p - before[s - 1].p).norm();
+  };
+  EXPECT_LT(moved(7), 0.5 * moved(24));
+  EXPECT_LT(moved(12), moved(24));
+  const SE3& closed = way.keyframe(25)->state.T_WB;
+  EXPECT_LT((closed.p - newest.p - Vec3(0.01, -0.02, 0.015)).norm(), 2e-3);
+  EXPECT_NEAR(so3_log(closed.R * newest.R.transpose()).z(), 0.002, 2e-4);
+  EXPECT_LT(way.keyframe(25)->error(2, 2), error_before) << "as certain as the old place";
+
+  // And mapping goes on from there, in the corrected frame.
+  way.T_drift = closed * way.sway.state(24 * kInterval_s).T_WB.inverse();
+  way.next();
+  way.map();
+  ASSERT_TRUE(way.snapshot->adjusted);
+  EXPECT_EQ(way.mapper->counters().adjustments_failed, failed);
+  const BodyState expected = way.sway.state(25 * kInterval_s);
+  EXPECT_LT((way.snapshot->state.T_WB.p - (way.T_drift * expected.T_WB).p).norm(), 0.01);
+}
+
+}  // namespace
+}  // namespace pirvs
