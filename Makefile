@@ -13,7 +13,11 @@ SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
 .SECONDARY:
-MAKEFLAGS += --no-builtin-rules -j$(shell nproc)
+MAKEFLAGS += --no-builtin-rules
+# A make within make shares the jobs of the first.
+ifeq ($(MAKELEVEL),0)
+  MAKEFLAGS += -j$(shell nproc)
+endif
 
 BOARD ?= host
 BUILD ?= build
@@ -175,8 +179,8 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 PROF_PLUGIN := $(BUILD)/prof/plugin.so
 IN_TURN := $(if $(ONE_BY_ONE),test-system)
 test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
-	@$(MAKE) --no-print-directory BOARD=qemu-virt all
-	@$(MAKE) --no-print-directory BOARD=rk3399-bare all firmware
+	@$(MAKE) -s BOARD=qemu-virt all
+	@$(MAKE) -s BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
 	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
 	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
@@ -191,7 +195,7 @@ consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 s
 	  --flights $(FLIGHTS) $(ARGS)
 
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
-	@for board in $(BARE_BOARDS); do $(MAKE) --no-print-directory BOARD=$$board all size; done
+	@for board in $(BARE_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
 	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \
 	  $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
 

@@ -31,7 +31,7 @@ SIM := $(BUILD)/run/sim
 SEQ ?= $(SIM)
 DURATION ?= 5
 run: $(OUT)/pirvs.bin ## SLAM in the emulator, on a simulated recording or SEQ=path
-	@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+	@$(MAKE) -s BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
 	@mkdir -p $(RUN)
 	@tools/emulator/compare --image $(OUT)/pirvs.bin --pirvs $(BUILD)/host/pirvs --out $(RUN) \
 	  --duration $(DURATION) $(SEQ) $(ARGS)
@@ -39,7 +39,7 @@ run: $(OUT)/pirvs.bin ## SLAM in the emulator, on a simulated recording or SEQ=p
 # The same image in the emulator, watched by the profiler's plugin: build/prof-BOARD.
 PROF := $(BUILD)/prof-$(BOARD)
 define profile
-@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+@$(MAKE) -s BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
 @mkdir -p $(PROF)
 @$(BUILD)/host/pirvs pack $(SEQ) --out $(PROF)/recording.pack --duration $(DURATION)
 @tools/prof/profile --elf $(OUT)/pirvs.elf --plugin $(BUILD)/prof/plugin.so --out $(PROF) $(1) -- \

@@ -2,6 +2,9 @@
 include board/bare/bare.mk
 
 UBOOT ?= rock-pi-4-rk3399
+ifeq ($(filter %-rk3399,$(UBOOT)),)
+  $(error UBOOT=$(UBOOT): not for an RK3399; docs/board-bringup.md names those there are)
+endif
 FIRMWARE := $(BUILD)/uboot/usr/lib/u-boot/$(UBOOT)
 CARD := $(OUT)/card.img
 RECORDING := $(OUT)/recording.pack
@@ -9,8 +12,8 @@ RECORDING := $(OUT)/recording.pack
 .PHONY: image firmware flash flash-usb
 # The application for QEMU lies beside the board's: with it the card itself is booted in a test.
 image: $(OUT)/pirvs.bin $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; SEQ=path UBOOT=board
-	@$(MAKE) --no-print-directory BOARD=qemu-virt all
-	@$(MAKE) --no-print-directory BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
+	@$(MAKE) -s BOARD=qemu-virt all
+	@$(MAKE) -s BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
 	@$(BUILD)/host/pirvs pack $(SEQ) --out $(RECORDING) --duration $(DURATION)
 	@tools/image/build --out $(CARD) --firmware $(FIRMWARE) /recording.bin=$(RECORDING) \
 	  /pirvs-rk3399-bare.bin=$(OUT)/pirvs.bin /pirvs-qemu-virt.bin=$(BUILD)/qemu-virt/pirvs.bin \
@@ -26,4 +29,5 @@ flash-usb: ## write the eMMC over USB; LOADER=file in mask ROM mode
 
 $(FIRMWARE)/idbloader.img:
 	@tools/image/fetch_uboot $(BUILD)/uboot
-	@[ -e $@ ] || { echo "image: no $@; UBOOT= one of: $$(ls $(BUILD)/uboot/usr/lib/u-boot)"; exit 2; }
+	@[ -e $@ ] || { echo "image: no U-Boot for $(UBOOT); UBOOT= one of:" \
+	  $$(cd $(BUILD)/uboot/usr/lib/u-boot && echo *-rk3399) >&2; exit 2; }
