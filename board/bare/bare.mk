@@ -17,6 +17,8 @@ BARE_OBJ := $(patsubst %,$(OUT)/obj/%.o,$(basename $(BARE_SRC)))
 # One code for both kinds of core of an RK3399. Frame pointers are what a fault report follows.
 BARE := -mcpu=cortex-a72 -mno-outline-atomics -fno-omit-frame-pointer -fno-stack-protector \
   -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections -fno-pic -fno-pie
+# memset and memcpy themselves: no loop of theirs may become a call of them.
+$(OUT)/obj/core/base/bytes.o: BARE += -fno-tree-loop-distribute-patterns
 BARE_LINK := -nostdlib -nostartfiles -static -no-pie -T $(LINKER_SCRIPT) -L. \
   -Wl,--gc-sections,--build-id=none,-z,max-page-size=4096,--no-warn-rwx-segments,--fatal-warnings
 
@@ -39,7 +41,7 @@ run: $(OUT)/pirvs.bin ## SLAM in the emulator, on a simulated recording or SEQ=p
 # The same image in the emulator, watched by the profiler's plugin: build/prof-BOARD.
 PROF := $(BUILD)/prof-$(BOARD)
 define profile
-@$(MAKE) -s BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
++@$(MAKE) -s BOARD=host all $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
 @mkdir -p $(PROF)
 @$(BUILD)/host/pirvs pack $(SEQ) --out $(PROF)/recording.pack --duration $(DURATION)
 @tools/prof/profile --elf $(OUT)/pirvs.elf --plugin $(BUILD)/prof/plugin.so --out $(PROF) $(1) -- \

@@ -64,23 +64,28 @@ void add_gradients(Rows& rows, int y, int columns) {
   }
 }
 
-// Four sums over five columns.
-inline int32x4_t sum_five(const int32_t* p) {
-  return vaddq_s32(vaddq_s32(vaddq_s32(vld1q_s32(p), vld1q_s32(p + 1)),
-                             vaddq_s32(vld1q_s32(p + 2), vld1q_s32(p + 3))),
-                   vld1q_s32(p + 4));
+inline int32x4_t sum_two(const int32_t* p) { return vaddq_s32(vld1q_s32(p), vld1q_s32(p + 1)); }
+
+// Four sums over five columns, as two pairs and the fifth. pairs: from sum_two(p) to sum_two(p + 4).
+inline int32x4_t sum_five(const int32_t* p, int32x4_t& pairs) {
+  const int32x4_t fifth = vld1q_s32(p + 4);
+  const int32x4_t next = vaddq_s32(fifth, vld1q_s32(p + 5));
+  const int32x4_t four = vaddq_s32(pairs, vextq_s32(pairs, next, 2));
+  pairs = next;
+  return vaddq_s32(four, fifth);
 }
 
 struct Four {
   int32x4_t xx, xy, yy;
 };
 
-// The test of Best::offer on four pixels, in the same float operations.
+// The test of Best::offer on four pixels, in the same float operations. A product above a square is
+// positive: then xx > 0 says that yy > 0, too.
 inline uint32x4_t beats(const Four& sums, float32x4_t eigenvalue) {
   const float32x4_t xx = vsubq_f32(vcvtq_f32_s32(sums.xx), eigenvalue);
   const float32x4_t yy = vsubq_f32(vcvtq_f32_s32(sums.yy), eigenvalue);
   const float32x4_t xy = vcvtq_f32_s32(sums.xy);
-  const uint32x4_t positive = vcgtq_f32(vminq_f32(xx, yy), vdupq_n_f32(0.0f));
+  const uint32x4_t positive = vcgtq_f32(xx, vdupq_n_f32(0.0f));
   return vandq_u32(positive, vcgtq_f32(vmulq_f32(xx, yy), vmulq_f32(xy, xy)));
 }
 
@@ -108,8 +113,10 @@ bool corner_best_neon(const ImageView& im, int x0, int y0, int w, int h, float r
     if (y < 2) continue;
     add_gradients(rows, y, columns);
     if (y < kWindow + 1) continue;
+    Four pairs = {sum_two(rows.xx), sum_two(rows.xy), sum_two(rows.yy)};
     for (int x = 0; x < w; x += 4) {
-      const Four sums = {sum_five(rows.xx + x), sum_five(rows.xy + x), sum_five(rows.yy + x)};
+      const Four sums = {sum_five(rows.xx + x, pairs.xx), sum_five(rows.xy + x, pairs.xy),
+                         sum_five(rows.yy + x, pairs.yy)};
       if (neon::any(beats(sums, vdupq_n_f32(best.eigenvalue))))
         offer_four(sums, x0 + x, y0 + y - kWindow - 1, w - x, best);
     }
