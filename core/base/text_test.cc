@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cfloat>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <cstring>
 #include <random>
 #include <string>
@@ -43,6 +45,52 @@ TEST(text, fixed_rounds_exact_halves_to_even) {
   EXPECT_EQ(fixed(NAN, 3), "nan");
   EXPECT_EQ(fixed(-INFINITY, 3), "nan");
   EXPECT_EQ(fixed(1e18, 0), "nan");
+}
+
+std::string exact(double value) {
+  Text<64> text;
+  text.exact(value);
+  return text.c_str();
+}
+
+bool reads_back(double value) {
+  const double read = std::strtod(exact(value).c_str(), nullptr);
+  return std::memcmp(&read, &value, sizeof value) == 0;
+}
+
+TEST(text, exact_keeps_short_numbers_short) {
+  EXPECT_EQ(exact(0), "0");
+  EXPECT_EQ(exact(-0.0), "-0");
+  EXPECT_EQ(exact(0.1), "0.1");
+  EXPECT_EQ(exact(-9.81), "-9.81");
+  EXPECT_EQ(exact(-0.0837758041), "-0.0837758041");
+  EXPECT_EQ(exact(200), "200");
+  EXPECT_EQ(exact(NAN), "nan");
+  EXPECT_EQ(exact(-INFINITY), "-inf");
+}
+
+TEST(text, every_exact_double_reads_back_to_the_bit) {
+  for (const double value : {DBL_MAX, DBL_MIN, DBL_TRUE_MIN, DBL_EPSILON, 1e300, 1e-300, 1.0 / 3,
+                             2.0 / 3, 9e5, 9.0000001e5, 1e15, 123456.7890123456789, 1e10, 5e-324}) {
+    EXPECT_TRUE(reads_back(value)) << value;
+    EXPECT_TRUE(reads_back(-value)) << value;
+  }
+  std::mt19937_64 random(1);
+  for (int i = 0; i < 20000; ++i) {
+    const uint64_t bits = random();
+    double any;
+    std::memcpy(&any, &bits, sizeof any);
+    ASSERT_TRUE(!std::isfinite(any) || reads_back(any)) << any;
+    const double usual = std::uniform_real_distribution<double>(-40, 40)(random);
+    ASSERT_TRUE(reads_back(usual)) << usual;
+    ASSERT_TRUE(reads_back(std::round(usual * 1e6) / 1e6)) << usual;
+  }
+}
+
+TEST(text, an_exact_double_keeps_within_its_room) {
+  for (const double value : {-DBL_MAX, -DBL_TRUE_MIN, -1.0 / 3, -899999.1234567891}) {
+    EXPECT_LE(exact(value).size(), TextWriter::kNumber);
+  }
 }
 
 TEST(text, writes_integers) {

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "bsp/api/console.h"
+#include "core/base/assert.h"
 
 namespace pirvs {
 namespace {
@@ -13,7 +14,7 @@ constexpr const char* kCameraYaml[] = {"mav0/cam0/sensor.yaml", "mav0/cam1/senso
 constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
 static_assert(std::size(kCameraTable) == kCamerasMax);
 
-constexpr size_t kRow = 8 * TableText::kNumber;  // the longest row of a table
+constexpr size_t kRow = 8 * TextWriter::kNumber;  // the longest row of a table
 
 }  // namespace
 
@@ -34,7 +35,7 @@ Status Recorder::open(Table& table, const char* name, const char* heading) {
   table.file = file.value();
   table.open = true;
   table.block.clear();
-  table.block.add(heading);
+  table.block.put(heading);
   return Status::kOk;
 }
 
@@ -52,39 +53,40 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
   return Status::kOk;
 }
 
-Status Recorder::write_text(const char* name, const TableText& text) {
+Status Recorder::write_text(const char* name, const TextWriter& text) {
+  PIRVS_ASSERT(!text.full());
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
-  const Status written = bsp::storage_write(file.value(), text.data(), text.size());
+  const Status written = bsp::storage_write(file.value(), text.c_str(), text.size());
   const Status closed = bsp::storage_close(file.value());
   return written != Status::kOk ? written : closed;
 }
 
 Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
-  TableText text;
-  text.add("sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
+  Text<kBlock> text;
+  text.put("sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) text.add(camera.T_BC.R(i, j)).add(", ");
-    text.add(camera.T_BC.p[i]).add(", ");
+    for (int j = 0; j < 3; ++j) text.exact(camera.T_BC.R(i, j)).put(", ");
+    text.exact(camera.T_BC.p[i]).put(", ");
   }
-  text.add("0, 0, 0, 1]\nresolution: [").add(int64_t{camera.width}).add(", ");
-  text.add(int64_t{camera.height}).add("]\ncamera_model: pinhole\nintrinsics: [");
-  text.add(camera.fx).add(", ").add(camera.fy).add(", ").add(camera.cx).add(", ").add(camera.cy);
-  text.add("]\ndistortion_model: ");
-  text.add(camera.model == CameraModel::kKannalaBrandt ? "equidistant" : "radial-tangential");
-  text.add("\ndistortion_coefficients: [");
-  for (int i = 0; i < 4; ++i) text.add(camera.d[i]).add(i < 3 ? ", " : "]\n");
-  text.add("timeshift_cam_imu: ").add(to_seconds(offset)).add("\n");
+  text.put("0, 0, 0, 1]\nresolution: [").number(camera.width).put(", ");
+  text.number(camera.height).put("]\ncamera_model: pinhole\nintrinsics: [");
+  text.exact(camera.fx).put(", ").exact(camera.fy).put(", ");
+  text.exact(camera.cx).put(", ").exact(camera.cy).put("]\ndistortion_model: ");
+  text.put(camera.model == CameraModel::kKannalaBrandt ? "equidistant" : "radial-tangential");
+  text.put("\ndistortion_coefficients: [");
+  for (int i = 0; i < 4; ++i) text.exact(camera.d[i]).put(i < 3 ? ", " : "]\n");
+  text.put("timeshift_cam_imu: ").exact(to_seconds(offset)).put("\n");
   return write_text(kCameraYaml[c], text);
 }
 
 Status Recorder::write_imu_yaml(const ImuNoise& noise) {
-  TableText text;
-  text.add("sensor_type: imu\nrate_hz: ").add(noise.rate_hz);
-  text.add("\ngyroscope_noise_density: ").add(noise.gyro_noise);
-  text.add("\ngyroscope_random_walk: ").add(noise.gyro_walk);
-  text.add("\naccelerometer_noise_density: ").add(noise.accel_noise);
-  text.add("\naccelerometer_random_walk: ").add(noise.accel_walk).add("\n");
+  Text<kBlock> text;
+  text.put("sensor_type: imu\nrate_hz: ").exact(noise.rate_hz);
+  text.put("\ngyroscope_noise_density: ").exact(noise.gyro_noise);
+  text.put("\ngyroscope_random_walk: ").exact(noise.gyro_walk);
+  text.put("\naccelerometer_noise_density: ").exact(noise.accel_noise);
+  text.put("\naccelerometer_random_walk: ").exact(noise.accel_walk).put("\n");
   return write_text("mav0/imu0/sensor.yaml", text);
 }
 
@@ -132,29 +134,30 @@ void Recorder::check(Status status) {
 }
 
 Status Recorder::write_row(Table& table) {
+  PIRVS_ASSERT(!table.block.full());
   if (table.block.room() >= kRow) return Status::kOk;
-  const Status status = bsp::storage_write(table.file, table.block.data(), table.block.size());
+  const Status status = bsp::storage_write(table.file, table.block.c_str(), table.block.size());
   table.block.clear();
   return status;
 }
 
 Status Recorder::write_sample(const ImuSample& sample) {
   if (failed_) return Status::kFull;
-  imu_.block.add(int64_t{sample.t});
-  for (int i = 0; i < 3; ++i) imu_.block.add(",").add(sample.w_B[i]);
-  for (int i = 0; i < 3; ++i) imu_.block.add(",").add(sample.f_B[i]);
-  imu_.block.add("\n");
+  imu_.block.number(sample.t);
+  for (int i = 0; i < 3; ++i) imu_.block.put(",").exact(sample.w_B[i]);
+  for (int i = 0; i < 3; ++i) imu_.block.put(",").exact(sample.f_B[i]);
+  imu_.block.put("\n");
   return write_row(imu_);
 }
 
 Status Recorder::write_image(const Frame& frame, int c, const char* name) {
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
-  TableText head;
-  head.add("P5\n").add(int64_t{frame.width[c]}).add(" ").add(int64_t{frame.height[c]});
-  head.add("\n255\n");
+  Text<64> head;
+  head.put("P5\n").number(frame.width[c]).put(" ").number(frame.height[c]);
+  head.put("\n255\n");
   const size_t size = static_cast<size_t>(frame.width[c]) * static_cast<size_t>(frame.height[c]);
-  Status status = bsp::storage_write(file.value(), head.data(), head.size());
+  Status status = bsp::storage_write(file.value(), head.c_str(), head.size());
   if (status == Status::kOk) status = bsp::storage_write(file.value(), frame.pixels[c], size);
   const Status closed = bsp::storage_close(file.value());
   return status != Status::kOk ? status : closed;
@@ -163,15 +166,15 @@ Status Recorder::write_image(const Frame& frame, int c, const char* name) {
 Status Recorder::write_camera(const Frame& frame, int c) {
   if (failed_) return Status::kFull;
   const TimeNs t = frame.t[c];
-  TableText file;
-  file.add(int64_t{t});
-  if (t <= last_t_[c]) file.add("_").add(int64_t{++repeated_names_});  // never over an older one
+  Text<64> file;
+  file.number(t);
+  if (t <= last_t_[c]) file.put("_").number(++repeated_names_);  // never over an older one
   last_t_[c] = t > last_t_[c] ? t : last_t_[c];
-  file.add(".pgm");
-  TableText path;
-  path.add(kCameraImages[c]).add(file.c_str());
+  file.put(".pgm");
+  Text<128> path;
+  path.put(kCameraImages[c]).put(file.c_str());
   PIRVS_TRY(write_image(frame, c, path.c_str()));
-  camera_[c].block.add(int64_t{t}).add(",").add(file.c_str()).add("\n");
+  camera_[c].block.number(t).put(",").put(file.c_str()).put("\n");
   return write_row(camera_[c]);
 }
 
@@ -205,7 +208,7 @@ void Recorder::run(void (*relax)()) {
 void Recorder::finish() {
   for (Table* table : {&imu_, &camera_[0], &camera_[1]}) {
     if (!table->open) continue;
-    if (!failed_) check(bsp::storage_write(table->file, table->block.data(), table->block.size()));
+    if (!failed_) check(bsp::storage_write(table->file, table->block.c_str(), table->block.size()));
     const Status closed = bsp::storage_close(table->file);
     if (!failed_) check(closed);
     table->open = false;

@@ -17,11 +17,11 @@
 #include "bsp/api/imu.h"
 #include "bsp/api/storage.h"
 #include "core/base/limits.h"
+#include "core/base/text.h"
 #include "core/camera/camera.h"
 #include "core/sched/scheduler.h"
 #include "core/store/ring.h"
 #include "modules/imu/imu_noise.h"
-#include "modules/recorder/table_text.h"
 
 namespace pirvs {
 
@@ -55,11 +55,12 @@ class Recorder {
     int width[kCamerasMax], height[kCamerasMax];
     uint8_t pixels[kCamerasMax][kImageWidthMax * kImageHeightMax];
   };
+  static constexpr size_t kBlock = 4096;
   // A table of text that grows block by block.
   struct Table {
     bsp::File file;
     bool open = false;
-    TableText block;
+    Text<kBlock> block;
   };
 
   static constexpr size_t kImuRing = 1024;  // 5 s at 200 Hz
@@ -69,7 +70,7 @@ class Recorder {
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
   Status write_imu_yaml(const ImuNoise& noise);
-  Status write_text(const char* name, const TableText& text);
+  Status write_text(const char* name, const TextWriter& text);
   Status write_image(const Frame& frame, int c, const char* name);
   Status write_row(Table& table);
   Status write_sample(const ImuSample& sample);

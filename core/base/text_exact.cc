@@ -1,15 +1,17 @@
-#include "modules/recorder/table_text.h"
-
+// Doubles as every reader of text gets them back.
+#include <cfloat>
+#include <cmath>
 #include <cstring>
 
 #include "core/base/assert.h"
+#include "core/base/text.h"
 
 namespace pirvs {
 namespace {
 
 constexpr int kDecimals = 10;
-constexpr double kDecimalUnit = 1e10;
-constexpr double kShort_max = 9e5;  // times 1e10: still an exact integer in a double
+constexpr double kDecimalUnit = 1e10;  // ten to kDecimals
+constexpr double kShort_max = 9e5;     // times 1e10: still an exact integer in a double
 constexpr int kLongDigits = 18;
 
 // A natural number of up to 1280 bits, least significant limb first.
@@ -53,74 +55,34 @@ class Big {
 
 }  // namespace
 
-void TableText::put(char c) {
-  PIRVS_ASSERT(size_ < kSize);
-  text_[size_++] = c;
-}
-
-const char* TableText::c_str() {
-  text_[size_] = '\0';
-  return text_;
-}
-
-TableText& TableText::add(const char* words) {
-  for (; *words != '\0'; ++words) put(*words);
-  return *this;
-}
-
-void TableText::add_digits(uint64_t value) {
-  char digits[20];
-  int n = 0;
-  do {
-    digits[n++] = static_cast<char>('0' + value % 10);
-    value /= 10;
-  } while (value != 0);
-  while (n > 0) put(digits[--n]);
-}
-
-TableText& TableText::add(int64_t value) {
-  if (value < 0) put('-');
-  add_digits(value < 0 ? 0 - static_cast<uint64_t>(value) : static_cast<uint64_t>(value));
-  return *this;
-}
-
-TableText& TableText::add(double value) {
-  if (value != value) return add("nan");
-  uint64_t bits;
-  std::memcpy(&bits, &value, sizeof bits);
-  if ((bits >> 63) != 0) {
+TextWriter& TextWriter::exact(double value) {
+  if (value != value) return put("nan");
+  if (std::signbit(value)) {
     put('-');
     value = -value;
   }
-  if (value > 1.7976931348623157e308) return add("inf");
-  if (!add_short(value)) add_long(value);
-  return *this;
+  if (value > DBL_MAX) return put("inf");
+  return exact_short(value) ? *this : exact_long(value);
 }
 
 // Division rounds correctly, so that i / 1e10 == value says that the reader of the decimal i *
 // 1e-10 gets value, bit for bit.
-bool TableText::add_short(double value) {
+bool TextWriter::exact_short(double value) {
   if (value > kShort_max) return false;
   const auto scaled = static_cast<uint64_t>(value * kDecimalUnit + 0.5);
   if (static_cast<double>(scaled) / kDecimalUnit != value) return false;
   const auto unit = static_cast<uint64_t>(kDecimalUnit);
-  add_digits(scaled / unit);
+  unsigned_number(scaled / unit);
   uint64_t decimals = scaled % unit;
   if (decimals == 0) return true;
-  put('.');
-  char digits[kDecimals];
-  for (int i = kDecimals - 1; i >= 0; --i) {
-    digits[i] = static_cast<char>('0' + decimals % 10);
-    decimals /= 10;
-  }
-  int n = kDecimals;
-  while (digits[n - 1] == '0') --n;
-  for (int i = 0; i < n; ++i) put(digits[i]);
+  int digits = kDecimals;
+  for (; decimals % 10 == 0; decimals /= 10) --digits;
+  put('.').unsigned_number(decimals, digits);
   return true;
 }
 
 // value = numerator / denominator = d.ddd... * 10^exponent, digit by digit.
-void TableText::add_long(double value) {
+TextWriter& TextWriter::exact_long(double value) {
   uint64_t bits;
   std::memcpy(&bits, &value, sizeof bits);
   const int biased = static_cast<int>(bits >> 52 & 0x7ff);
@@ -138,8 +100,7 @@ void TableText::add_long(double value) {
     if (i == 0) put('.');
     numerator.times(10);
   }
-  put('e');
-  add(int64_t{exponent});
+  return put('e').number(exponent);
 }
 
 }  // namespace pirvs
