@@ -1,6 +1,9 @@
 // The whole stack on simulated flights of both devices, with exact truth.
 #include <gtest/gtest.h>
 
+#include <set>
+#include <string>
+
 #include "tests/recordings.h"
 #include "tests/replay.h"
 
@@ -55,11 +58,17 @@ TEST(simulated_flight, a_run_forgets_the_one_before) {
   EXPECT_EQ(again.counter("starts"), 1u);
 }
 
+TEST(simulated_flight, every_counter_has_a_name_of_its_own) {
+  std::set<std::string> names;
+  for (const tools::Count& counter : euroc_run().log.counters)
+    EXPECT_TRUE(names.insert(counter.name).second) << counter.name;
+}
+
 TEST(simulated_flight, three_cores_in_lockstep_give_the_bytes_of_one) {
   const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3, {}, Pace::kLockstep);
   EXPECT_EQ(run.result.exit_status(), 0);
   EXPECT_TRUE(run.trajectory() == euroc_run().trajectory()) << "cores change the trajectory";
-  for (const char* name : {"keyframes", "adjustments", "points_stereo", "chi2"}) {
+  for (const char* name : {"keyframes", "adjustments", "points_stereo", "gate_chi2"}) {
     EXPECT_EQ(run.counter(name), euroc_run().counter(name)) << name;
   }
 }

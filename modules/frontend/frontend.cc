@@ -26,7 +26,8 @@ float squared_distance(const Track& track, float x, float y) {
 }  // namespace
 
 const char* name(TrackLoss loss) {
-  static constexpr const char* kNames[] = {"left_image", "flow", "residual", "return", "spacing"};
+  static constexpr const char* kNames[] = {"track_left_image", "track_flow", "track_residual",
+                                           "track_return", "track_spacing"};
   static_assert(std::size(kNames) == static_cast<size_t>(TrackLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }

@@ -19,8 +19,9 @@ constexpr int kPatch = 8;  // side of the scanned patch at kScanLevel
 }  // namespace
 
 const char* name(StereoLoss loss) {
-  static constexpr const char* kNames[] = {"found", "outside",  "no_texture", "ambiguous",
-                                           "flow",  "residual", "epipolar",   "return"};
+  static constexpr const char* kNames[] = {
+      "stereo_found", "stereo_outside",  "stereo_no_texture", "stereo_ambiguous",
+      "stereo_flow",  "stereo_residual", "stereo_epipolar",   "stereo_return"};
   static_assert(std::size(kNames) == static_cast<size_t>(StereoLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }

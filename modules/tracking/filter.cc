@@ -15,7 +15,7 @@ enum : int { kTheta = 0, kPos = 3, kVel = 6, kBg = 9, kBa = 12 };
 }  // namespace
 
 const char* name(Gate gate) {
-  static constexpr const char* kNames[] = {"accepted", "behind_camera", "chi2"};
+  static constexpr const char* kNames[] = {"gate_accepted", "gate_behind_camera", "gate_chi2"};
   static_assert(std::size(kNames) == static_cast<size_t>(Gate::kCount));
   return kNames[static_cast<size_t>(gate)];
 }
