@@ -62,6 +62,8 @@ def costs(pieces):
 
 def table(all_costs, said, wanted, only=""):
     """One line per kernel, in the order of the run."""
+    if not any(only in name for name in all_costs):
+        raise GoalError(f"no kernel's name contains {only}; there are: {' '.join(all_costs)}")
     lines = [
         f"{'kernel':20}{'unit':>10}{'instructions':>14}{'A72 cycles':>12}{'goal':>9}{'':>8}"
         f"{'caches':>8}{'branches':>10}{'A53 cycles':>12}"

@@ -246,6 +246,18 @@ class TimelineTest(Recorded):
         self.assertEqual(found[5][:3], (2, "mapping", 13))
         self.assertEqual(found[6][:3], (0, "door.frame", 13))  # tracking never waits for mapping
 
+    def test_events_of_one_core_do_not_overlap_by_a_nanosecond(self):
+        parts = frame(0, 5, 7, 3, 11) * 40
+        _, pieces = self.frames(parts, block_cycles=1234.5678)
+        shown = timeline.trace_json(pieces)["traceEvents"]
+        for thread in range(len(timeline.THREADS)):
+            end = 0
+            for event in shown:
+                if event["ph"] == "X" and event["tid"] == thread:
+                    begin = round(event["ts"] * 1000)
+                    self.assertGreaterEqual(begin, end)
+                    end = begin + round(event["dur"] * 1000)
+
 
 class PipelineTest(unittest.TestCase):
     def test_disassembles_and_keeps_places_of_what_is_no_instruction(self):

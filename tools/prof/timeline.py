@@ -60,14 +60,16 @@ def trace_json(pieces):
         }
     )
     for thread, name, frame, begin, length, cost in events(pieces):
+        # Both ends to the nanosecond: a viewer drops what overlaps by one.
+        ts = round(begin, 3)
         out.append(
             {
                 "ph": "X",
                 "pid": 1,
                 "tid": thread,
                 "name": name,
-                "ts": round(begin, 3),
-                "dur": round(length, 3),
+                "ts": ts,
+                "dur": round(round(begin + length, 3) - ts, 3),
                 "args": {
                     "frame": frame,
                     "instructions": cost.instructions,
