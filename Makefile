@@ -59,10 +59,11 @@ LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
 TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
-# The parsers, and no more: clang compiles them a second time.
+# The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% modules/app/calibration_check.cc \
-  bsp/linux/assert.cc bsp/linux/console.cc,$(LIB_SRC))
-FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %/player.cc,\
+  modules/app/door.cc modules/app/imu_guard.cc modules/app/image_guard.cc bsp/replay/% \
+  bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc bsp/linux/console.cc,$(LIB_SRC))
+FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
   $(filter tools/dataset/% tools/run/fault.cc tools/run/parameters.cc,$(TOOL_SRC)))
 
 # ---- flags -------------------------------------------------------------------------------------
@@ -270,7 +271,7 @@ $(OUT_TESTED)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
 $(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a
 	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))
 $(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
-	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,-lyaml-cpp)
+	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,$(LIBS_TOOLS))
 $(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_TEST))
 $(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a

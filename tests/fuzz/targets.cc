@@ -6,10 +6,16 @@
 #include <cmath>
 #include <cstring>
 #include <iterator>
+#include <memory>
+#include <new>
 #include <string>
+#include <vector>
 
+#include "bsp/drivers/device_tree/device_tree.h"
+#include "bsp/replay/pack.h"
 #include "core/base/assert.h"
 #include "modules/app/calibration_check.h"
+#include "modules/app/door.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording.h"
@@ -129,6 +135,94 @@ void fault(const uint8_t* data, size_t size) {
   });
 }
 
+// The bytes where a loader puts a pack: aligned, and nothing behind them.
+class LoadedPack {
+ public:
+  LoadedPack(const uint8_t* data, size_t size)
+      : size_(size), bytes_(static_cast<uint8_t*>(::operator new(size, kAlign))) {
+    if (size > 0) std::memcpy(bytes_, data, size);
+  }
+  ~LoadedPack() { ::operator delete(bytes_, kAlign); }
+  LoadedPack(const LoadedPack&) = delete;
+  LoadedPack& operator=(const LoadedPack&) = delete;
+
+  const uint8_t* data() const { return bytes_; }
+  size_t size() const { return size_; }
+  // Guessing a checksum would keep the fuzzer busy for ever.
+  void make_header_right() {
+    if (size_ < sizeof(bsp::PackHeader)) return;
+    bsp::PackHeader& header = *reinterpret_cast<bsp::PackHeader*>(bytes_);
+    std::memcpy(header.magic, bsp::kPackMagic, sizeof header.magic);
+    header.version = bsp::kPackVersion;
+    header.header_bytes = sizeof header;
+    header.bytes = size_ - size_ % 8;
+    header.checksum = bsp::pack_checksum(bytes_, header.bytes);
+  }
+
+ private:
+  static constexpr std::align_val_t kAlign{bsp::kPackAlign};
+  size_t size_;
+  uint8_t* bytes_;
+};
+
+// Whatever a recording says, the door hands out one stream in order.
+void play_through_the_door(bsp::Pack& pack) {
+  Calibration calibration;
+  for (int c = 0; c < 2; ++c) calibration.camera[c] = pack.camera(c);
+  expect_usable(calibration);
+  calibration.camera_time_offset = pack.header().camera_time_offset % 1'000'000'000;
+  const auto door = std::make_unique<Door>();
+  door->configure(calibration, DoorParams{});
+  bsp::replay_start(pack.source(), bsp::ReplayPace::kFast);
+  DoorItem item, before;
+  bool first = true;
+  uint64_t pixels = 0;
+  for (Status status; (status = door->next(item)) != Status::kStale; first = false) {
+    PIRVS_ASSERT(status == Status::kOk);
+    if (item.is_frame) {
+      PIRVS_ASSERT(!first && !before.is_frame && item.frame.t == before.imu.t);
+      for (const ImageView& image : item.frame.images.image) {
+        for (int y = 0; y < image.height; ++y) pixels += image.row(y)[image.width - 1];
+      }
+      door->release();
+    } else {
+      PIRVS_ASSERT(item.imu.w_B.allFinite() && item.imu.f_B.allFinite());
+      const TimeNs t_before = before.is_frame ? before.frame.t : before.imu.t;
+      PIRVS_ASSERT(first || item.broken || item.imu.t > t_before);
+    }
+    before = item;
+  }
+  PIRVS_ASSERT(pixels < UINT64_MAX);  // they have been read
+}
+
+void pack(const uint8_t* data, size_t size) {
+  LoadedPack loaded(data, size);
+  bsp::Pack opened;
+  (void)opened.open(loaded.data(), loaded.size());
+  loaded.make_header_right();
+  if (opened.open(loaded.data(), loaded.size()) == Status::kOk) play_through_the_door(opened);
+}
+
+void device_tree(const uint8_t* data, size_t size) {
+  constexpr size_t kSizeField = 4;
+  std::vector<uint8_t> blob(data, data + size);
+  // A loader's memory goes on behind the blob: a header is always there, and so is what it claims.
+  if (blob.size() < 40) blob.resize(40);
+  const uint32_t magic = __builtin_bswap32(0xd00dfeedu);
+  const auto claimed = __builtin_bswap32(static_cast<uint32_t>(blob.size()));
+  std::memcpy(blob.data() + kSizeField, &claimed, sizeof claimed);
+  bsp::DeviceTree out;
+  (void)bsp::read_device_tree(blob.data(), out);
+  std::memcpy(blob.data(), &magic, sizeof magic);
+  (void)bsp::read_device_tree(blob.data(), out);
+  PIRVS_ASSERT(std::memchr(out.arguments, 0, sizeof out.arguments) != nullptr);
+  char value[8];
+  for (const char* const word : {"cores", "semihosting", ""}) {
+    if (!bsp::find_argument(out.arguments, word, value, sizeof value)) continue;
+    PIRVS_ASSERT(std::memchr(value, 0, sizeof value) != nullptr);
+  }
+}
+
 }  // namespace
 
 const Target kTargets[] = {
@@ -139,6 +233,8 @@ const Target kTargets[] = {
     {"trajectory", trajectory},
     {"parameter", parameter},
     {"fault", fault},
+    {"pack", pack},
+    {"device_tree", device_tree},
 };
 const size_t kTargetCount = std::size(kTargets);
 
