@@ -18,6 +18,9 @@ struct ImuSample {
   TimeNs t = 0;
   Vec3 w_B = Vec3::Zero();
   Vec3 f_B = Vec3::Zero();
+  // Since the sample before none was measured for this long, and a line stands for what was missed;
+  // 0: the sensor's own rate. The door knows; drivers leave it.
+  float gap_s = 0;
 };
 
 namespace bsp {

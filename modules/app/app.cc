@@ -21,6 +21,8 @@ const char* event_of(const FrameResult& result) {
   return result.health_changed ? "health changed" : nullptr;
 }
 
+constexpr TimeNs kDoubtMax_ns = 2'000'000'000;  // undecided for longer: a body that hardly turns
+
 float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
 
 }  // namespace
@@ -34,6 +36,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   params_ = params;
   sinks_ = sinks;
   door_.configure(calibration, params.door);
+  clock_check_.configure(calibration.camera);
   for (int c = 0; c < kCamerasMax; ++c) {
     frontend_[c].configure(calibration.camera[c], params.frontend);
   }
@@ -64,11 +67,36 @@ Status App::start_recorder() {
 }
 
 // Time does not go on from the item before: nothing can be carried over but the map's frame.
-void App::interrupt(TimeNs t) {
+void App::interrupt(TimeNs t, const char* why) {
   tracker_.interrupt();
   for (Frontend& frontend : frontend_) frontend.reset();
   if (sinks_.health != nullptr) {
-    sinks_.health(sinks_.context, t, tracker_.health(), "input interrupted");
+    sinks_.health(sinks_.context, t, tracker_.health(), why);
+  }
+}
+
+// Until it is known whether a clock was set, nothing of it may get into the map.
+bool App::stamps_in_doubt(TimeNs t) const {
+  const ClockDoubt& doubt = door_.doubt();
+  if (doubt.shift == 0) return false;
+  const TimeNs delay = doubt.shift > 0 ? doubt.shift : 0;  // of the samples that decide
+  return doubt.since == 0 || t - doubt.since <= kDoubtMax_ns + delay;
+}
+
+void App::check_clocks() {
+  const ClockDoubt doubt = door_.doubt();
+  const int c = (frame_.images.present & 1) != 0 ? 0 : 1;
+  const ClockCheck::Frame frame = {frame_.t, c, &frontend_[c].tracks(), tracker_.state().b_g};
+  switch (clock_check_.frame(frame, doubt.shift)) {
+    case ClockCheck::Verdict::kOpen:
+      break;
+    case ClockCheck::Verdict::kHold:
+      door_.clocks_are_right();
+      break;
+    case ClockCheck::Verdict::kSet:
+      door_.clock_was_set();
+      interrupt(frame_.t, doubt.is_imus ? "the IMU's clock was set" : "the cameras' clock was set");
+      break;
   }
 }
 
@@ -76,7 +104,9 @@ void App::deliver(const ImuSample& sample) {
   const TimeNs begin = bsp::cpu_time();
   {
     PIRVS_TRACE("imu");
+    tracker_.doubt_stamps(stamps_in_doubt(sample.t));
     tracker_.add_imu(sample);
+    clock_check_.add_imu(sample);
   }
   tracking_ns_ += bsp::cpu_time() - begin;
   if (tracker_.running() && sinks_.pose != nullptr) {
@@ -123,7 +153,10 @@ Step App::door_step() {
     PIRVS_TRACE("door.frame");
     begin_frame(item.frame);
   } else {
-    if (item.broken) interrupt(item.imu.t);
+    if (item.broken) {
+      interrupt(item.imu.t, "input interrupted");
+      clock_check_.reset();
+    }
     deliver(item.imu);
   }
   return Step::kAgain;
@@ -174,6 +207,7 @@ Step App::tracking_step() {
   if (what != nullptr && sinks_.health != nullptr) {
     sinks_.health(sinks_.context, frame_.t, tracker_.health(), what);
   }
+  check_clocks();
   door_.release();
   stage_.store(Stage::kFree, std::memory_order_release);
   return Step::kAgain;

@@ -13,6 +13,7 @@
 #include "core/base/status.h"
 #include "core/sched/scheduler.h"
 #include "modules/app/calibration.h"
+#include "modules/app/clock_check.h"
 #include "modules/app/door.h"
 #include "modules/frontend/frontend.h"
 #include "modules/imu/imu_params.h"
@@ -101,7 +102,9 @@ class App {
   Step tracking_step();
   Step mapping_step();
   bool world_waits(TimeNs t) const;
-  void interrupt(TimeNs t);
+  void interrupt(TimeNs t, const char* why);
+  bool stamps_in_doubt(TimeNs t) const;
+  void check_clocks();
   Status start_recorder();
   void begin_frame(const DoorFrame& frame);
   void deliver(const ImuSample& sample);
@@ -111,6 +114,7 @@ class App {
   AppParams params_;
   AppSinks sinks_;
   Door door_;
+  ClockCheck clock_check_;
   Frontend frontend_[kCamerasMax];
   Tracker tracker_;
   Mapper mapper_;

@@ -9,6 +9,7 @@ namespace pirvs {
 namespace {
 
 constexpr TimeNs kAskImu_ns = 100'000'000;  // a frame interval of slow cameras
+constexpr int kFutureFrames = 3;            // in a row: no accident
 
 ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
   const double s = to_seconds(t - a.t) / to_seconds(b.t - a.t);
@@ -16,6 +17,7 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
   out.t = t;
   out.w_B = a.w_B + s * (b.w_B - a.w_B);
   out.f_B = a.f_B + s * (b.f_B - a.f_B);
+  out.gap_s = b.gap_s;
   return out;
 }
 
@@ -23,11 +25,11 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 
 const char* name(DoorLoss loss) {
   static constexpr const char* kNames[] = {
-      "imu_not_finite",   "imu_out_of_range",  "imu_saturated",     "imu_spike",
-      "imu_stuck",        "imu_stamp_ahead",   "imu_backwards",     "imu_lost",
-      "imu_gap",          "imu_clock_back",    "stream_broken",     "frame_backwards",
-      "frame_before_imu", "frame_without_imu", "frame_ahead",       "camera_missing",
-      "camera_late",      "camera_frozen",     "camera_wrong_size", "camera_silent"};
+      "imu_not_finite", "imu_out_of_range", "imu_stamp_impossible", "imu_saturated", "imu_spike",
+      "imu_stuck", "imu_stamp_ahead", "imu_backwards", "imu_lost", "imu_gap", "imu_clock_back",
+      "stream_broken", "frame_stamp_impossible", "frame_backwards", "frame_before_imu",
+      "frame_without_imu", "frame_ahead", "camera_missing", "camera_late", "camera_frozen",
+      "camera_wrong_size", "camera_silent", "camera_gap", "camera_clock_set", "imu_clock_set"};
   static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }
@@ -39,6 +41,7 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
   offset_ = calibration.camera_time_offset;
   break_ = from_seconds(static_cast<double>(params.break_s));
   frame_wait_ = from_seconds(static_cast<double>(params.frame_wait_s));
+  clock_step_ = from_seconds(static_cast<double>(params.clock_step_s));
   imu_guard_.configure(params);
   image_guard_.configure(calibration.camera, calibration.cameras, params);
 }
@@ -46,6 +49,7 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
 bool Door::fetch_imu() {
   while (!has_ahead_) {
     has_ahead_ = imu_guard_.get(ahead_);
+    if (has_ahead_ && ahead_.step != 0) suspect(ahead_.step, true);
     if (has_ahead_ || imu_ended_) return has_ahead_;
     ImuSample raw;
     const Status status = bsp::imu_poll(raw);
@@ -62,16 +66,56 @@ bool Door::fetch_imu() {
 }
 
 bool Door::fetch_frame() {
-  if (has_frame_ || frames_ended_) return has_frame_;
-  const Status status = bsp::camera_poll(frame_.images);
-  if (status == Status::kStale) frames_ended_ = true;
-  if (status != Status::kOk) return false;
-  if (tap_.frame != nullptr) tap_.frame(tap_.context, frame_.images);
+  if (has_frame_) return true;
+  while (!has_frame_) {
+    if (frames_ended_) return false;
+    const Status status = bsp::camera_poll(frame_.images);
+    if (status == Status::kStale) frames_ended_ = true;
+    if (status != Status::kOk) return false;
+    if (tap_.frame != nullptr) tap_.frame(tap_.context, frame_.images);
+    has_frame_ = true;
+    const TimeNs raw = frame_.images.t;
+    if (!is_stamp(raw) || !is_stamp(raw + offset_)) drop_frame(DoorLoss::kFrameStampImpossible);
+  }
+  note_frame_step(frame_.images.t);
   frame_.t = frame_.images.t + offset_;
-  has_frame_ = true;
   silent_since_ = 0;
   silence_counted_ = false;
   return true;
+}
+
+void Door::note_frame_step(TimeNs raw) {
+  const bool first = raw_frame_t_ == INT64_MIN;
+  const TimeNs step = first ? 0 : raw - raw_frame_t_;
+  raw_frame_t_ = raw;
+  if (frame_period_ > 0 && (step < -clock_step_ || step - frame_period_ > clock_step_)) {
+    if (step > 0) losses_.add(DoorLoss::kCameraGap);
+    suspect(frame_period_ - step, false);
+  }
+  // From above towards the true one, whatever is lost.
+  if (frame_period_ == 0) frame_period_ = step > 0 && step < clock_step_ ? step : 0;
+  if (step > 0 && 2 * step < 3 * frame_period_) frame_period_ += (step - frame_period_) / 8;
+}
+
+// When both clocks are set together, the second step takes back the first one's doubt; so does a
+// stamp that is right again.
+void Door::suspect(TimeNs shift, bool is_imus) {
+  const bool opposite = (shift < 0) != (doubt_.shift < 0);
+  if (doubt_.shift != 0 && opposite) shift += doubt_.shift;
+  doubt_ = ClockDoubt{};
+  const bool small = shift >= -clock_step_ && shift <= clock_step_;
+  if (small || !is_stamp(shift) || !is_stamp(offset_ + shift)) return;
+  doubt_.shift = shift;
+  doubt_.is_imus = is_imus;
+}
+
+void Door::clock_was_set() {
+  losses_.add(doubt_.is_imus ? DoorLoss::kImuClockSet : DoorLoss::kCameraClockSet);
+  offset_ += doubt_.shift;
+  frame_.t = frame_.images.t + offset_;
+  last_frame_t_ = INT64_MIN;
+  far_back_since_ = 0;
+  doubt_ = ClockDoubt{};
 }
 
 void Door::drop_frame(DoorLoss why) {
@@ -116,6 +160,17 @@ bool Door::may_be_of_another_time() {
   return last_.t - far_back_since_ < kAskImu_ns;
 }
 
+// Live, the newest sample is now: a frame cannot be long after it. Several that are, and would not
+// be if the cameras' clock had been set, say that it has.
+bool Door::is_from_the_future() {
+  const TimeNs ahead = has_last_ ? frame_.t - last_.t : 0;
+  if (ahead <= break_) return false;
+  if (++future_frames_ < kFutureFrames || doubt_.shift >= 0) return true;
+  if (ahead > clock_step_ - doubt_.shift) return true;
+  clock_was_set();
+  return false;
+}
+
 void Door::hand_out_ahead(DoorItem& out) {
   has_ahead_ = false;
   hand_out(out, ahead_.sample, ahead_.broken);
@@ -132,6 +187,8 @@ Status Door::next(DoorItem& out) {
       out.frame = frame_;
       last_frame_t_ = frame_.t;
       far_back_since_ = 0;
+      future_frames_ = 0;
+      if (doubt_.shift != 0 && doubt_.since == 0) doubt_.since = frame_.t;
       return Status::kOk;
     }
     if (imu && ahead_.broken) {  // what was before has nothing to say about what comes
@@ -152,9 +209,7 @@ Status Door::next(DoorItem& out) {
       continue;
     }
     if (!imu) {
-      // Live, the newest sample is now: a frame cannot be long after it.
-      const bool from_the_future = frame && has_last_ && frame_.t - last_.t > break_;
-      if (!imu_ended_ && !from_the_future) return Status::kEmpty;
+      if (!imu_ended_ && !(frame && is_from_the_future())) return Status::kEmpty;
       if (frame) {
         drop_frame(imu_ended_ ? DoorLoss::kFrameWithoutImu : DoorLoss::kFrameAhead);
         continue;

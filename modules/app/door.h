@@ -25,6 +25,13 @@ struct DoorFrame {
   StereoFrame images;
 };
 
+// Stamps of one sensor that stepped by more than its period: items were lost, or its clock was set.
+struct ClockDoubt {
+  TimeNs shift = 0;  // if it was, frames stamped t belong to t + shift; 0: there is no doubt
+  TimeNs since = 0;  // the first frame in doubt
+  bool is_imus = false;
+};
+
 struct DoorItem {
   bool is_frame = false;
   bool broken = false;
@@ -47,6 +54,11 @@ class Door {
   void release();
   const DoorLosses& losses() const { return losses_; }
 
+  // Who can see the world decides: it was set (frames go on at the right time), or it was not.
+  const ClockDoubt& doubt() const { return doubt_; }
+  void clock_was_set();
+  void clocks_are_right() { doubt_ = ClockDoubt{}; }
+
  private:
   bool fetch_imu();
   bool fetch_frame();
@@ -54,6 +66,9 @@ class Door {
   void drop_frame(DoorLoss why);
   bool imu_may_pass_silent_cameras();
   bool may_be_of_another_time();
+  void note_frame_step(TimeNs raw);
+  void suspect(TimeNs shift, bool is_imus);
+  bool is_from_the_future();
   void hand_out_ahead(DoorItem& out);
   void hand_out(DoorItem& out, const ImuSample& sample, bool broken);
 
@@ -71,6 +86,10 @@ class Door {
   TimeNs last_frame_t_ = INT64_MIN;
   TimeNs far_back_since_ =
       0;  // sensor time when frames began to come from far back; 0: they do not
+  ClockDoubt doubt_;
+  TimeNs clock_step_ = 0;
+  TimeNs raw_frame_t_ = INT64_MIN, frame_period_ = 0;
+  int future_frames_ = 0;  // in a row
   bool imu_ended_ = false, frames_ended_ = false;
   TimeNs silent_since_ = 0;  // by the machine's clock; 0: the cameras are heard
   bool silence_counted_ = false;

@@ -9,6 +9,7 @@ namespace pirvs {
 enum class DoorLoss : uint8_t {
   kImuNotFinite,
   kImuOutOfRange,
+  kImuStampImpossible,
   kImuSaturated,
   kImuSpike,
   kImuStuck,
@@ -18,6 +19,7 @@ enum class DoorLoss : uint8_t {
   kImuGap,
   kImuClockBack,
   kStreamBroken,
+  kFrameStampImpossible,
   kFrameBackwards,
   kFrameBeforeImu,
   kFrameWithoutImu,
@@ -27,6 +29,9 @@ enum class DoorLoss : uint8_t {
   kCameraFrozen,
   kCameraWrongSize,
   kCameraSilent,
+  kCameraGap,
+  kCameraClockSet,
+  kImuClockSet,
   kCount
 };
 const char* name(DoorLoss loss);

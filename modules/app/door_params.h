@@ -3,6 +3,7 @@
 
 #include <iterator>
 
+#include "core/base/time.h"
 #include "core/params/params.h"
 
 namespace pirvs {
@@ -14,7 +15,9 @@ struct DoorParams {
   float spike_m_s2 = 25.0f;
   float stuck_samples = 10;
   float gap_s = 0.05f;
+  float bridge_s = 1.0f;
   float break_s = 0.5f;
+  float clock_step_s = 0.15f;
   float pair_s = 0.001f;
   float frame_wait_s = 0.15f;
 };
@@ -30,8 +33,12 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
     {"stuck_samples", &DoorParams::stuck_samples, 3, 1000, "1",
      "as many equal samples in a row: the IMU is stuck, the rest is bridged"},
     {"gap_s", &DoorParams::gap_s, 0.001f, 10, "s", "a longer gap of the IMU is counted"},
+    {"bridge_s", &DoorParams::bridge_s, 0.05f, 10, "s",
+     "a longer one is not bridged: tracking starts anew"},
     {"break_s", &DoorParams::break_s, 0.05f, 10, "s",
-     "a longer one is not bridged: tracking starts anew; so it does when time runs back this long"},
+     "a stamp this far ahead waits for the next; time that runs back this long is a clock set back"},
+    {"clock_step_s", &DoorParams::clock_step_s, 0.05f, 2, "s",
+     "stamps of one sensor that step by more over its period: was its clock set against the other's?"},
     {"pair_s", &DoorParams::pair_s, 0, 0.1f, "s",
      "an image whose stamp is farther from its frame's is late and left out"},
     {"frame_wait_s", &DoorParams::frame_wait_s, 0.01f, 10, "s",
@@ -39,5 +46,10 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
 };
 static_assert(sizeof(DoorParams) == std::size(kDoorRows) * sizeof(float));
 static_assert(in_range(DoorParams{}, kDoorRows));
+
+// 126 years either way. Beyond is no time, and differences of such stamps would overflow.
+inline constexpr TimeNs kStampMax = 4'000'000'000'000'000'000;
+
+inline bool is_stamp(TimeNs t) { return t >= -kStampMax && t <= kStampMax; }
 
 }  // namespace pirvs

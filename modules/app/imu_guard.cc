@@ -28,12 +28,16 @@ void ImuGuard::configure(const DoorParams& params) {
   *this = ImuGuard{};
   params_ = params;
   break_ = from_seconds(static_cast<double>(params.break_s));
+  bridge_ = from_seconds(static_cast<double>(params.bridge_s));
   gap_ = from_seconds(static_cast<double>(params.gap_s));
+  clock_step_ = from_seconds(static_cast<double>(params.clock_step_s));
 }
 
 bool ImuGuard::impossible(const ImuSample& raw, DoorLosses& losses) {
   const double rate = largest(raw.w_B), force = largest(raw.f_B);
-  if (!raw.w_B.allFinite() || !raw.f_B.allFinite()) {
+  if (!is_stamp(raw.t)) {
+    losses.add(DoorLoss::kImuStampImpossible);
+  } else if (!raw.w_B.allFinite() || !raw.f_B.allFinite()) {
     losses.add(DoorLoss::kImuNotFinite);
   } else if (rate > kRate_rad_s_max || force > kForce_m_s2_max) {
     losses.add(DoorLoss::kImuOutOfRange);
@@ -51,9 +55,11 @@ bool ImuGuard::impossible(const ImuSample& raw, DoorLosses& losses) {
 }
 
 // Old samples are dropped; when they go on rising for long enough, the clock has been set back and
-// the stream begins anew.
+// the stream begins anew. If they catch up before that, it may have been, too.
 bool ImuGuard::backwards(const ImuSample& raw, DoorLosses& losses) {
   if (!has_last_ || raw.t > last_.t) {
+    const TimeNs step = is_back_ ? back_begin_ - last_.t - period_ : 0;
+    if (step < -clock_step_ && back_last_ - back_begin_ > -step / 2) next_step_ = step;
     is_back_ = false;
     return false;
   }
@@ -65,6 +71,7 @@ bool ImuGuard::backwards(const ImuSample& raw, DoorLosses& losses) {
     return true;
   }
   losses.add(DoorLoss::kImuClockBack);
+  next_step_ = back_begin_ - last_.t - period_;
   is_back_ = false;
   has_last_ = false;
   why_doubted_ = Doubt::kNone;
@@ -90,17 +97,25 @@ bool ImuGuard::confirmed_by(const ImuSample& next) const {
 }
 
 void ImuGuard::accept(const ImuSample& sample, DoorLosses& losses) {
-  bool broken = next_is_broken_;
+  GoodSample good{sample, next_is_broken_, next_step_};
+  good.sample.gap_s = 0;
   if (has_last_) {
     const TimeNs dt = sample.t - last_.t;
-    if (dt > gap_) losses.add(DoorLoss::kImuGap);
-    broken = broken || dt > break_;
+    if (dt > gap_) {
+      losses.add(DoorLoss::kImuGap);
+      good.sample.gap_s = static_cast<float>(to_seconds(dt));
+    } else {
+      period_ = dt;
+    }
+    if (dt - period_ > clock_step_) good.step += dt - period_;
+    good.broken = good.broken || dt > bridge_;
   }
-  if (broken) losses.add(DoorLoss::kStreamBroken);
+  if (good.broken) losses.add(DoorLoss::kStreamBroken);
   next_is_broken_ = false;
+  next_step_ = 0;
   last_ = sample;
   has_last_ = true;
-  (void)good_.push_back({sample, broken});  // at most the doubted one and the one that confirms it
+  (void)good_.push_back(good);  // at most the doubted one and the one that confirms it
 }
 
 void ImuGuard::put(const ImuSample& raw, DoorLosses& losses) {

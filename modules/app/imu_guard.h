@@ -18,8 +18,9 @@
 namespace pirvs {
 
 struct GoodSample {
-  ImuSample sample;
+  ImuSample sample;  // gap_s says whether a line leads to it
   bool broken = false;
+  TimeNs step = 0;  // by so much more than its period the stamp stepped: lost samples, or the clock
 };
 
 class ImuGuard {
@@ -41,7 +42,8 @@ class ImuGuard {
   void accept(const ImuSample& sample, DoorLosses& losses);
 
   DoorParams params_;
-  TimeNs break_ = 0, gap_ = 0;
+  TimeNs break_ = 0, bridge_ = 0, gap_ = 0, clock_step_ = 0;
+  TimeNs period_ = 0;  // of the samples, as they come
   ImuSample last_;  // accepted
   bool has_last_ = false;
   ImuSample doubted_;
@@ -51,6 +53,7 @@ class ImuGuard {
   bool is_back_ = false;  // time has run back, and for how long it has gone on from there
   TimeNs back_begin_ = 0, back_last_ = 0;
   bool next_is_broken_ = false;
+  TimeNs next_step_ = 0;
   FixedVector<GoodSample, 2> good_;  // to be handed out, oldest first
 };
 

@@ -42,6 +42,8 @@ class Health {
   // The pose went from one place to another without having moved so; small steps are no jumps.
   // `certain`: count it whatever its size.
   bool note_jump(double jump_m, double jump_rad, bool certain);
+  // Frames and IMU samples may not belong together: whatever fits, little is to be trusted.
+  void doubt_stamps(bool in_doubt) { in_doubt_ = in_doubt; }
   void lost() {
     state_ = HealthState::kLost;
     trust_.confidence = 0;
@@ -58,7 +60,7 @@ class Health {
   HealthState state_ = HealthState::kInitializing;
   Trust trust_;
   TimeNs last_good_ = 0, good_since_ = 0;
-  bool good_ = false;
+  bool good_ = false, in_doubt_ = false;
   double blind_s_ = 0;
 };
 

@@ -87,9 +87,10 @@ void Filter::propagate(const ImuSample& sample) {
   const Mat15 FP = F * cov_;
   cov_.noalias() = FP * F.transpose();
   const auto square = [](double x) { return x * x; };
-  cov_.diagonal().segment<3>(kTheta).array() += square(noise_.gyro_noise) * dt;
-  cov_.diagonal().segment<3>(kVel).array() += square(noise_.accel_noise) * dt;
-  cov_.diagonal().segment<3>(kPos).array() += 0.25 * square(noise_.accel_noise * dt) * dt;
+  const ImuNoise noise = bridged(noise_, static_cast<double>(sample.gap_s));
+  cov_.diagonal().segment<3>(kTheta).array() += square(noise.gyro_noise) * dt;
+  cov_.diagonal().segment<3>(kVel).array() += square(noise.accel_noise) * dt;
+  cov_.diagonal().segment<3>(kPos).array() += 0.25 * square(noise.accel_noise * dt) * dt;
   cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
   cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();

@@ -14,6 +14,7 @@ namespace {
 
 constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;   // cameras, a bit each
 constexpr size_t kTracksSeeing = 8;                             // fewer: the camera sees nothing
+constexpr float kDoubt_s = 0.2f;  // in doubt, a sample says no more than a line over such a gap
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
 // By how much an untracked device may turn from what the gyro says, and go.
 // A recognised place is not better known than this; a loop that is off by less is closed already.
@@ -47,14 +48,17 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
   view_.clear();
 }
 
-void Tracker::add_imu(const ImuSample& sample) {
+void Tracker::add_imu(const ImuSample& measured) {
+  ImuSample sample = measured;
+  if (in_doubt_ && sample.gap_s < kDoubt_s) sample.gap_s = kDoubt_s;
   standstill_.add_imu(sample);
   history_[history_size_++ % kHistory] = sample;
   if (running_) {
     filter_.propagate(sample);
     if (has_imu_) {
       since_keyframe_.add(last_imu_.w_B, last_imu_.f_B, sample.w_B, sample.f_B,
-                          to_seconds(sample.t - last_imu_.t), noise_);
+                          to_seconds(sample.t - last_imu_.t),
+                          bridged(noise_, static_cast<double>(sample.gap_s)));
     }
   } else {
     starter_.add_imu(sample);
@@ -579,7 +583,7 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameR
   const bool no_depth = alone && view_.own_points() == 0 && standstill_.at_rest();
   const bool waits =
       light_since_ != 0 && to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
-  if (seen == 0 || joining_ || waits) return;
+  if (seen == 0 || joining_ || waits || in_doubt_) return;
   if (!(no_depth ? rest_keyframe_due(t)
                  : keyframe_due(t, frontends[seen == kRightAlone ? 1 : 0]))) {
     return;

@@ -65,6 +65,13 @@ class Tracker {
   // Bit c of `present`: camera c delivered. One camera is enough for all, points then come by time.
   FrameResult frame(TimeNs t, uint8_t present, Frontend* frontends);
 
+  // One sensor's stamps may be wrong: the next samples count little against what is seen, there are
+  // no keyframes, and there is little confidence.
+  void doubt_stamps(bool in_doubt) {
+    in_doubt_ = in_doubt;
+    health_.doubt_stamps(in_doubt);
+  }
+
   // Time does not go on from the last sample: what runs is lost, a new start continues its place.
   void interrupt();
 
@@ -124,6 +131,7 @@ class Tracker {
   StandstillDetector standstill_;
   MapView view_;
   bool running_ = false;
+  bool in_doubt_ = false;
   uint8_t start_cameras_ = 0;         // that the attempt to start looks through, a bit each
   TimeNs last_pair_t_ = 0;            // when both cameras last saw something
   SE3 origin_;                        // where a restart continues
