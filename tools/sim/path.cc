@@ -92,6 +92,26 @@ Path Path::flight(uint64_t seed, double rest_s, double duration_s, const Mat3& R
   return path;
 }
 
+Path Path::steady(const SteadyMotion& motion, double duration_s, const Mat3& R_LB) {
+  constexpr double kHeight_m = 1.6;
+  Path path;
+  path.duration_s_ = duration_s;
+  path.spacing_s_ = 0.1;
+  const int count = int(std::ceil(duration_s / path.spacing_s_)) + kSupport;
+  const double still_s = motion.rest_s > 0 ? motion.rest_s + 2.5 * path.spacing_s_ : -1e3;
+  double way_s = 0;  // integral of the share of full speed, zero at the start
+  for (int k = 0; k < count; ++k) {
+    const double u = ((k - kLead - 0.5) * path.spacing_s_ - still_s) / motion.ramp_s;
+    const double s = std::clamp(u, 0.0, 1.0);
+    if (k > 0) way_s += s * s * (3 - 2 * s) * path.spacing_s_;
+    const Mat3 R_WL =
+        Eigen::AngleAxisd(motion.turn_rad_s * way_s, Vec3::UnitZ()).toRotationMatrix();
+    path.append(Vec3(0, 0, kHeight_m) + motion.v_L * way_s,
+                Eigen::Quaterniond(Mat3(R_WL * R_LB)).normalized().coeffs());
+  }
+  return path;
+}
+
 Path Path::along(const Trajectory& trajectory, double duration_s) {
   const auto& poses = trajectory.poses;
   const double begin_s = poses.front().t_s;

@@ -1,6 +1,7 @@
 // What    A smooth path through the world: pose, velocity, acceleration and turn rate at any time.
-// In      A seed (a flight through a hall of about 12 x 9 m, at rest first), or a recorded
-//         trajectory, which is followed closely, not exactly: the spline is the truth.
+// In      A seed (a flight through a hall of about 12 x 9 m, at rest first); a constant velocity and
+//         turn rate, at rest first; or a recorded trajectory, which is followed closely, not
+//         exactly: the spline is the truth.
 // Out     State at t_s in [0, duration_s]. The position and the quaternion (before it is
 //         normalized) are uniform B-splines of degree 5: four times continuously differentiable.
 // Frames  W: z up. B: IMU. R_LB: from B to the look frame L (x forward, y left, z up), so that a
@@ -28,9 +29,16 @@ struct PathState {
   Vec3 w_B;
 };
 
+struct SteadyMotion {
+  double rest_s = 0, ramp_s = 1;  // at rest, then without a jerk to full speed
+  Vec3 v_L = Vec3::Zero();        // as seen from the look frame at the start
+  double turn_rad_s = 0;          // about the vertical
+};
+
 class Path {
  public:
   static Path flight(uint64_t seed, double rest_s, double duration_s, const Mat3& R_LB);
+  static Path steady(const SteadyMotion& motion, double duration_s, const Mat3& R_LB);
   static Path along(const Trajectory& trajectory, double duration_s);  // 0: all of it
 
   double duration_s() const { return duration_s_; }

@@ -103,9 +103,31 @@ void Renderer::draw(double t_s) {
   float R[9];
   for (int i = 0; i < 9; ++i) R[i] = float(R_WC(i / 3, i % 3));
   scene_.boxes_at(t_s, boxes_);
+  const bool moved = drawn_boxes_.empty() || R_WC != drawn_T_WC_.R || p_WC != drawn_T_WC_.p;
+  for (Tile& tile : tiles_) tile.stale = moved;
+  if (!moved) mark_stale();  // where a box leaves
   find_candidates(o, R_WC);
-  for (const Tile& tile : tiles_) draw_tile(tile, o, R);
-  for (const Tile& tile : tiles_) smooth_edges(tile, o, R);
+  if (!moved) mark_stale();  // where one comes
+  drawn_boxes_ = boxes_;
+  drawn_T_WC_ = {R_WC, p_WC};
+  for (const Tile& tile : tiles_) {
+    if (tile.stale) draw_tile(tile, o, R);
+  }
+  for (const Tile& tile : tiles_) {
+    if (tile.stale) smooth_edges(tile, o, R);
+  }
+}
+
+void Renderer::mark_stale() {
+  for (Tile& tile : tiles_) {
+    for (int k = tile.first; k < tile.first + tile.count; ++k) {
+      const size_t n = size_t(candidates_[size_t(k)]);
+      for (int a = 0; a < 3; ++a) {
+        tile.stale |= boxes_[n].lo[a] != drawn_boxes_[n].lo[a];
+        tile.stale |= boxes_[n].hi[a] != drawn_boxes_[n].hi[a];
+      }
+    }
+  }
 }
 
 // A tile's rays fill a cone, a box fits in a ball: do they meet?

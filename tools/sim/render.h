@@ -5,7 +5,8 @@
 // Frames  pixels: (0,0) = centre of the first one; T_BC of the camera.
 // Units   s, px; noise in grey values.
 // Errors  none; pixels that the lens model does not reach stay black.
-// Cost    ~45 ns a pixel and sub-image, one thread. One Renderer per thread: it holds buffers.
+// Cost    ~45 ns a pixel and sub-image, one thread; from one and the same place, only where boxes
+//         have moved. One Renderer per thread: it holds buffers.
 // Source  render loop our own; noise: constant + proportional to the signal (EMVA 1288).
 #pragma once
 
@@ -41,6 +42,7 @@ class Renderer {
     float half_angle;
     float pixel_angle;
     int first, count;  // range of candidates_
+    bool stale;        // what it shows has changed since it was drawn
   };
 
   Camera camera_;
@@ -49,7 +51,8 @@ class Renderer {
   std::vector<Ray3> rays_C_;
   std::vector<float> vignette_;  // 0: the lens does not reach this pixel
   std::vector<Tile> tiles_;
-  std::vector<Box> boxes_;
+  std::vector<Box> boxes_, drawn_boxes_;
+  SE3 drawn_T_WC_;
   std::vector<int> candidates_;
   std::vector<float> sum_;
   std::vector<float> grey_;
@@ -60,6 +63,7 @@ class Renderer {
   int sub_images(const Exposure& exposure) const;
   void draw(double t_s);
   void find_candidates(const Ray3& o, const Mat3& R_WC);
+  void mark_stale();
   void draw_tile(const Tile& tile, const Ray3& o, const float (&R)[9]);
   void smooth_edges(const Tile& tile, const Ray3& o, const float (&R)[9]);
   void develop(const Exposure& exposure, int sub_images, std::vector<uint8_t>& image) const;

@@ -13,6 +13,9 @@ constexpr double kClearance_m = 0.8;  // no box nearer to the path
 constexpr double kHallMargin_m = 3.0;
 constexpr double kPathStep_s = 0.1;
 constexpr int kTexturesPerKind = 2;
+constexpr double kSway_rad_s = 1.2;  // of the pillar
+constexpr double kAside = 6;         // pillar widths: out of the widest view
+constexpr double kComeIn_s = 2;
 
 double distance_outside(const Box& box, const Vec3& p) {
   double sum = 0;
@@ -43,12 +46,14 @@ void face_axes(int axis, int& u, int& v) {
 
 }  // namespace
 
-Scene::Scene(const Path& path, uint64_t seed, int boxes, int movers) {
+Scene::Scene(const Path& path, uint64_t seed, int boxes, int movers, const Pillar& pillar)
+    : pillar_(pillar) {
   for (int k = 0; k < int(TextureKind::kCount) * kTexturesPerKind; ++k) {
     const auto kind = TextureKind(k % int(TextureKind::kCount));
     textures_.push_back(std::make_unique<Texture>(kind, mix64(seed) + uint64_t(k)));
   }
   place_boxes(path, seed, boxes, movers);
+  place_pillar();
   paint(seed);
 }
 
@@ -91,6 +96,21 @@ void Scene::place_boxes(const Path& path, uint64_t seed, int boxes, int movers) 
     if (moves) movers_.push_back({int(boxes_.size()), {v[0], v[1]}, float(random.uniform(0, 6))});
     boxes_.push_back(box);
   }
+}
+
+// The last box, so that all others are as they would be without it.
+void Scene::place_pillar() {
+  if (pillar_.width_m <= 0) return;
+  const Box& hall = boxes_[0];
+  Box box{};
+  for (int a = 0; a < 2; ++a) {
+    box.lo[a] = float(pillar_.p_W[a] - pillar_.width_m / 2);
+    box.hi[a] = float(pillar_.p_W[a] + pillar_.width_m / 2);
+  }
+  box.lo[2] = hall.lo[2];
+  box.hi[2] = hall.hi[2];
+  pillar_box_ = int(boxes_.size());
+  boxes_.push_back(box);
 }
 
 void Scene::paint(uint64_t seed) {
@@ -145,6 +165,17 @@ void Scene::boxes_at(double t_s, std::vector<Box>& out) const {
       out[size_t(mover.box)].lo[a] += mover.velocity[a] * way;
       out[size_t(mover.box)].hi[a] += mover.velocity[a] * way;
     }
+  }
+  if (pillar_box_ == 0) return;
+  double way_m = pillar_.sway_m * std::sin(kSway_rad_s * t_s);
+  if (pillar_.from_s > 0) {
+    const double come = std::clamp((t_s - pillar_.from_s) / kComeIn_s, 0.0, 1.0);
+    way_m += kAside * pillar_.width_m * (1 - come * come * (3 - 2 * come));
+  }
+  for (int a = 0; a < 2; ++a) {
+    const float step_m = float(way_m * pillar_.sideways_W[a]);
+    out[size_t(pillar_box_)].lo[a] += step_m;
+    out[size_t(pillar_box_)].hi[a] += step_m;
   }
 }
 

@@ -1,5 +1,6 @@
 // What    A textured hall with boxes in it, and what a ray through it hits.
-// In      The volume to keep free for the flight; seed; number of boxes, and how many of them move.
+// In      The volume to keep free for the flight; seed; number of boxes, and how many of them move;
+//         a pillar, if wanted, that goes to and fro before the camera.
 // Out     Hit: distance and surface of the first thing on a ray; shade(): its brightness.
 // Frames  W, z up. Walls are parallel to the axes.
 // Units   m; brightness 0..255 at normal exposure.
@@ -31,9 +32,18 @@ struct Hit {
   int face;  // 2 * axis + (1: the side of larger coordinate)
 };
 
+// Stands from floor to ceiling, and sways sideways across the middle of the view.
+struct Pillar {
+  double width_m = 0;  // 0: there is none
+  Vec3 p_W = Vec3::Zero();
+  Vec3 sideways_W = Vec3::UnitY();  // horizontal unit vector
+  double sway_m = 0;                // amplitude
+  double from_s = 0;                // comes in from the side then; 0: is there from the start
+};
+
 class Scene {
  public:
-  Scene(const Path& path, uint64_t seed, int boxes, int movers);
+  Scene(const Path& path, uint64_t seed, int boxes, int movers, const Pillar& pillar = {});
 
   // The boxes as they stand at t_s; boxes[0] is the hall.
   void boxes_at(double t_s, std::vector<Box>& out) const;
@@ -62,9 +72,12 @@ class Scene {
   std::vector<Box> boxes_;
   std::vector<Face> faces_;  // 6 per box
   std::vector<Mover> movers_;
+  Pillar pillar_;
+  int pillar_box_ = 0;  // 0: none
   float lamps_[4][3];
 
   void place_boxes(const Path& path, uint64_t seed, int boxes, int movers);
+  void place_pillar();
   void paint(uint64_t seed);
   void light_face(const Box& box, int side, Face& face, float albedo) const;
 };

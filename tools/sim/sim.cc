@@ -82,10 +82,40 @@ Device make_device(const SimOptions& options) {
 }
 
 Path make_path(const SimOptions& options, const Device& device) {
-  if (options.path != "spline") {
+  if (options.path == "steady") {
+    SteadyMotion motion;
+    motion.rest_s = options.rest_s;
+    motion.ramp_s = options.ramp_s;
+    motion.v_L = Vec3(options.forward_m_s, options.left_m_s, 0);
+    motion.turn_rad_s = options.turn_deg_s * M_PI / 180;
+    return Path::steady(motion, options.duration_s, device.R_LB);
+  }
+  if (options.path != "spline" && options.path != "rest") {
     return Path::along(read_trajectory(options.path), options.duration_s);
   }
-  return Path::flight(options.seed, options.rest_s, options.duration_s, device.R_LB);
+  const double rest_s = options.path == "rest" ? options.duration_s : options.rest_s;
+  return Path::flight(options.seed, rest_s, options.duration_s, device.R_LB);
+}
+
+// At a fixed distance before the left camera's first place, as wide as its share of the image or a
+// little wider.
+Pillar make_pillar(const SimOptions& options, const Device& device, const Path& path) {
+  constexpr double kDistance_m = 1.5;
+  constexpr double kSway = 0.7;  // of its width
+  Pillar pillar;
+  if (options.mover <= 0) return pillar;
+  const PathState at = path.at(0);
+  const Camera& camera = device.calibration.camera[0];
+  const SE3 T_WC = SE3{at.R_WB, at.p_WB} * camera.T_BC;
+  const double width = camera.width * options.mover / camera.fx * kDistance_m;
+  const Vec3 forward = Vec3(T_WC.R(0, 2), T_WC.R(1, 2), 0).normalized();
+  pillar.sideways_W = Vec3(-forward.y(), forward.x(), 0);
+  // Its sides are parallel to the hall's: seen askew, it is wider.
+  pillar.width_m = width / (std::abs(forward.x()) + std::abs(forward.y()));
+  pillar.sway_m = kSway * width;
+  pillar.p_W = T_WC.p + kDistance_m * forward;
+  pillar.from_s = options.mover_from_s;
+  return pillar;
 }
 
 void write_transform(Text& file, const SE3& T) {
@@ -248,7 +278,8 @@ void make_folders(const std::string& out) {
 void simulate(const SimOptions& options, const SimProgress& progress) {
   const Device device = make_device(options);
   Path path = make_path(options, device);
-  Scene scene(path, options.seed, options.boxes, options.movers);
+  Scene scene(path, options.seed, options.boxes, options.movers,
+              make_pillar(options, device, path));
   Job job{options, device, std::move(path), std::move(scene), {}};
   const double end_s = job.path.duration_s() - kLastFrame_s;
   for (size_t i = 0;; ++i) {

@@ -19,7 +19,9 @@ namespace pirvs::tools {
 struct SimOptions {
   std::string out;
   std::string device = "euroc";
-  std::string path = "spline";  // or the file of a recorded trajectory to follow
+  std::string path = "spline";  // rest, steady, or the file of a recorded trajectory to follow
+  double forward_m_s = 0, left_m_s = 0.3, turn_deg_s = 0;  // of a steady path
+  double ramp_s = 1;                                       // and from rest to that
   double duration_s = 20;
   double rest_s = 1;
   double rate_hz = 0;  // cameras; 0: the device's own
@@ -39,6 +41,8 @@ struct SimOptions {
   double dark_for_s = 0;  // 0: to the end
   int boxes = 40;
   int movers = 0;
+  double mover = 0;         // share of the view that one object fills that sways before the camera
+  double mover_from_s = 0;  // 0: it is there from the start
   std::string format = "png";
   int threads = 2;
 };

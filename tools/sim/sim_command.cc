@@ -16,12 +16,12 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--camera", o.device,
                  "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye")
       ->capture_default_str();
-  app.add_option("--path", o.path, "'spline', or a ground-truth file (ASL csv, TUM) to fly along")
+  app.add_option("--path", o.path, "'spline', 'rest', 'steady' or a ground-truth file (ASL csv, TUM) to fly along")
       ->capture_default_str();
   app.add_option("--duration", o.duration_s, "seconds; with a file: at most")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  app.add_option("--rest", o.rest_s, "seconds at rest before a spline flight")
+  app.add_option("--rest", o.rest_s, "seconds at rest before a spline or steady flight")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--rate", o.rate_hz, "camera frames per second (default: the device's)")
@@ -33,12 +33,29 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--movers", o.movers, "how many of them move")
       ->capture_default_str()
       ->check(CLI::Range(0, 500));
+  app.add_option("--mover", o.mover, "share of the view filled by an object that sways before it")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 0.9));
+  app.add_option("--mover-from", o.mover_from_s, "when it comes in, s; 0: there from the start")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
   app.add_option("--threads", o.threads, "threads that draw")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  app.add_option("--format", o.format, "png or jpg")
+  app.add_option("--format", o.format, "png, jpg or pgm (fast, large)")
       ->capture_default_str()
-      ->check(CLI::IsMember({"png", "jpg"}));
+      ->check(CLI::IsMember({"png", "jpg", "pgm"}));
+}
+
+void declare_steady(CLI::App& app, SimOptions& o) {
+  app.add_option("--forward", o.forward_m_s, "m/s along the view, steady path")
+      ->capture_default_str();
+  app.add_option("--left", o.left_m_s, "m/s across the view, steady path")->capture_default_str();
+  app.add_option("--turn", o.turn_deg_s, "deg/s about the vertical, steady path")
+      ->capture_default_str();
+  app.add_option("--ramp", o.ramp_s, "seconds from rest to that")
+      ->capture_default_str()
+      ->check(CLI::Range(0.01, 1e3));
 }
 
 void declare_imu(CLI::App& app, SimOptions& o) {
@@ -100,6 +117,7 @@ void simulate_whole(const SimOptions& options, const SimProgress& progress) {
 std::function<int()> declare(CLI::App& app) {
   const auto options = std::make_shared<SimOptions>();
   declare_world(app, *options);
+  declare_steady(app, *options);
   declare_imu(app, *options);
   declare_image(app, *options);
   return [options] {
