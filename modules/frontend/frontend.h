@@ -36,6 +36,10 @@ struct Track {
   uint16_t age = 0;              // images since it was detected
   uint8_t misses = 0;            // consecutive images in which its landmark was gated out
   bool described = false;
+  // Kept by standstill detection: its place, how long it has been there (-1: not yet begun), and
+  // how often it left a place since it last stood.
+  float x_still = 0, y_still = 0, still_s = -1;
+  uint8_t moves = 0;
   Descriptor descriptor{};
 };
 

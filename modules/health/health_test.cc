@@ -2,14 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include <limits>
-
-#include "modules/testing.h"
-
 namespace pirvs {
 namespace {
-
-using testing::Random;
 
 constexpr TimeNs kSecond = 1'000'000'000;
 
@@ -127,99 +121,6 @@ TEST(health, jumps_are_counted_when_large_or_certain) {
 TEST(health, every_state_has_a_name) {
   EXPECT_STREQ(name(HealthState::kInitializing), "initializing");
   EXPECT_STREQ(name(HealthState::kLost), "lost");
-}
-
-struct StandstillCase {
-  StandstillCase() {
-    params.standstill_window = 64;
-    params.standstill_gyro_rad_s = 0.02f;
-    params.standstill_accel_m_s2 = 0.25f;
-    params.standstill_image_px_s = 4.2f;  // 0.21 px an image, and 0.04 px of noise
-    params.standstill_image_s = 0.28f;    // six images
-    detector.configure(params);
-    detector.reset();
-  }
-  void imu(int count, double sigma_w, double sigma_f) {
-    for (int i = 0; i < count; ++i) {
-      detector.add_imu({t += 5'000'000, b_g + random.vec(sigma_w), g_B + random.vec(sigma_f)});
-    }
-  }
-  void images(int count, double px) {
-    for (int i = 0; i < count; ++i) detector.add_image_motion(px, 0.05);
-  }
-  HealthParams params;
-  StandstillDetector detector;
-  Random random{6};
-  Vec3 b_g = Vec3(0.02, -0.01, 0.03), g_B = Vec3(0.5, 0.3, 9.78);
-  TimeNs t = 0;
-};
-
-TEST(standstill, rest_is_seen_and_its_means_are_measured) {
-  StandstillCase c;
-  c.imu(200, 0.002, 0.02);
-  c.images(5, 0.1);
-  EXPECT_FALSE(c.detector.at_rest()) << "one still image too few";
-  c.images(1, 0.1);
-  EXPECT_TRUE(c.detector.at_rest());
-  EXPECT_EQ(c.detector.samples(), 64);
-  EXPECT_LT((c.detector.mean_rate_B() - c.b_g).norm(), 0.002);
-  EXPECT_LT((c.detector.mean_force_B() - c.g_B).norm(), 0.02);
-}
-
-TEST(standstill, needs_a_full_window) {
-  StandstillCase c;
-  c.imu(63, 0.002, 0.02);
-  c.images(10, 0.1);
-  EXPECT_FALSE(c.detector.at_rest());
-  c.imu(1, 0.002, 0.02);
-  c.images(1, 0.1);
-  EXPECT_TRUE(c.detector.at_rest());
-}
-
-TEST(standstill, each_kind_of_motion_alone_denies_it) {
-  StandstillCase turning, shaking, seeing;
-  turning.imu(64, 0.05, 0.02);
-  turning.images(10, 0.1);
-  EXPECT_FALSE(turning.detector.at_rest());
-  shaking.imu(64, 0.002, 0.5);
-  shaking.images(10, 0.1);
-  EXPECT_FALSE(shaking.detector.at_rest());
-  seeing.imu(64, 0.002, 0.02);
-  seeing.images(10, 0.3);
-  EXPECT_FALSE(seeing.detector.at_rest()) << "constant speed: only the image knows";
-}
-
-TEST(standstill, one_moving_image_or_a_push_ends_it) {
-  StandstillCase c;
-  c.imu(64, 0.002, 0.02);
-  c.images(10, 0.1);
-  ASSERT_TRUE(c.detector.at_rest());
-  c.images(1, 2.0);
-  EXPECT_FALSE(c.detector.at_rest());
-  c.images(5, 0.1);
-  EXPECT_FALSE(c.detector.at_rest());
-  c.images(1, 0.1);
-  EXPECT_TRUE(c.detector.at_rest());
-  c.imu(10, 0.002, 2.0);
-  c.images(1, 0.1);
-  EXPECT_FALSE(c.detector.at_rest());
-}
-
-TEST(standstill, not_a_number_is_no_rest) {
-  StandstillCase c;
-  c.imu(64, 0.002, 0.02);
-  c.images(10, std::numeric_limits<double>::quiet_NaN());
-  EXPECT_FALSE(c.detector.at_rest());
-}
-
-TEST(standstill, reset_forgets) {
-  StandstillCase c;
-  c.imu(64, 0.002, 0.02);
-  c.images(10, 0.1);
-  c.detector.reset();
-  EXPECT_FALSE(c.detector.at_rest());
-  c.images(10, 0.1);
-  EXPECT_FALSE(c.detector.at_rest()) << "no samples yet";
 }
 
 }  // namespace

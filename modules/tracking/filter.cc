@@ -179,4 +179,26 @@ void Filter::update_standstill(const Vec3& w_mean_B) {
   fuse(linearize_zero_rate(state_, w_mean_B, params_.standstill_sigma_rad_s));
 }
 
+// Integrating the IMU at rest would only add its noise: the pose stays, as does its covariance but
+// for what detection may overlook, and velocity is zero by what rest means.
+void Filter::hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B,
+                  const Vec3& f_mean_B) {
+  const auto square = [](double x) { return x * x; };
+  const TimeNs t = state_.t;
+  const double dt = to_seconds(t - state.t);
+  state_ = state;
+  state_.t = t;
+  state_.v_WB.setZero();
+  cov_ = cov;
+  cov_.middleRows<3>(kVel).setZero();
+  cov_.middleCols<3>(kVel).setZero();
+  cov_.diagonal().segment<3>(kVel).setConstant(square(params_.standstill_sigma_m_s));
+  cov_.diagonal().segment<3>(kTheta).array() += square(params_.standstill_turn_rad) * dt;
+  cov_.diagonal().segment<3>(kPos).array() += square(params_.standstill_shift_m) * dt;
+  cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
+  cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
+  fuse(linearize_zero_rate(state_, w_mean_B, params_.standstill_sigma_rad_s));
+  fuse(linearize_gravity(state_, f_mean_B, params_.standstill_sigma_m_s2));
+}
+
 }  // namespace pirvs

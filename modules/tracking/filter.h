@@ -36,8 +36,11 @@ class Filter {
   void propagate(const ImuSample& sample);
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
   int update(Correspondences& correspondences);
-  // 0 = v_WB + n and, for a device at rest, w_B = b_g + n.
+  // As rest begins: 0 = v_WB + n and w_B = b_g + n.
   void update_standstill(const Vec3& w_mean_B);
+  // As it goes on: the body is where it was, `state` with `cov`, whatever the IMU added since; that
+  // measured its biases and gravity instead.
+  void hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B, const Vec3& f_mean_B);
 
   const BodyState& state() const { return state_; }
   const Mat15& cov() const { return cov_; }

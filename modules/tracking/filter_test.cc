@@ -125,6 +125,9 @@ TEST(mm_standstill, jacobians_match_numeric) {
       const BodyState plus = boxplus(at, h * Vec15::Unit(k));
       const Vec3 numeric_v =
           (linearize_zero_velocity(at, 1).r - linearize_zero_velocity(plus, 1).r) / h;
+      const Vec3 numeric_f =
+          (linearize_gravity(at, w_mean_B, 1).r - linearize_gravity(plus, w_mean_B, 1).r) / h;
+      EXPECT_LT((numeric_f - linearize_gravity(at, w_mean_B, 1).H.col(k)).norm(), 1e-4);
       const Vec3 numeric_w =
           (linearize_zero_rate(at, w_mean_B, 1).r - linearize_zero_rate(plus, w_mean_B, 1).r) / h;
       EXPECT_LT((numeric_v - linearize_zero_velocity(at, 1).H.col(k)).norm(), 1e-8);
@@ -325,6 +328,35 @@ TEST(filter, covariance_is_honest) {
     normalized += left.dot(cov.inverse() * left) / (6.0 * runs);
   }
   EXPECT_NEAR(normalized, 1.0, 0.15);
+}
+
+// An hour at rest, 20 frames a second, all the while with a little too much rate and force.
+TEST(filter, holding_goes_nowhere_and_does_not_pretend_to_learn_the_place) {
+  FilterCase c;
+  Random random(8);
+  BodyState start;
+  start.v_WB = Vec3(0.004, -0.003, 0.002);
+  const Vec3 b_g(0.011, -0.02, 0.005), f_B(0.05, -0.08, 9.84);
+  Mat15 cov = Mat15::Identity() * 1e-4;
+  c.filter.reset(start, cov);
+  for (int k = 0; k < 72'000; ++k) {
+    const BodyState at = c.filter.state();
+    cov = c.filter.cov();
+    for (int i = 0; i <= 1; ++i) {
+      c.filter.propagate({from_seconds(0.05 * (k + i)), b_g + random.vec(2e-3), f_B});
+    }
+    c.filter.hold(at, cov, b_g + random.vec(1e-3), f_B + random.vec(1e-2));
+  }
+  const BodyState& state = c.filter.state();
+  EXPECT_EQ(state.t, from_seconds(3600));
+  EXPECT_LT(state.T_WB.p.norm(), 1e-3);
+  EXPECT_LT(so3_log(state.T_WB.R).norm(), 0.02) << "tilt and bias share what gravity says";
+  EXPECT_LT(std::fabs(so3_log(state.T_WB.R).z()), 1e-3) << "heading";
+  EXPECT_LT((state.b_g - b_g).norm(), 1e-3);
+  EXPECT_LT((state.T_WB.R * (f_B - state.b_a) - Vec3(0, 0, kGravity_m_s2)).norm(), 0.02);
+  EXPECT_EQ(state.v_WB.norm(), 0);
+  EXPECT_GT(c.filter.cov()(3, 3), 1e-4) << "rest says nothing of the place";
+  expect_covariance(c.filter.cov());
 }
 
 TEST(filter, standstill_stops_the_body_and_finds_the_gyro_bias) {

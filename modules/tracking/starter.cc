@@ -28,6 +28,12 @@ Mat15 start_cov(bool at_rest) {
   return sigma.cwiseAbs2().asDiagonal();
 }
 
+int pairs(const Observations& left) {
+  int count = 0;
+  for (const Observation& sighting : left) count += sighting.stereo >= 0 ? 1 : 0;
+  return count;
+}
+
 // The rotation with the given heading that stands gravity upright.
 Mat3 upright(const Vec3& g_B0, const Mat3& R_heading) {
   const Vec3 z_B = -g_B0.normalized();
@@ -77,6 +83,13 @@ bool Starter::wants_keyframe(TimeNs t) const {
 Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
                           const Observations* keyframe, const StandstillDetector& standstill,
                           const SE3& origin) {
+  if (keyframe != nullptr && standstill.rest_s() >= params_.start_s &&
+      pairs(keyframe[0]) >= kPointsMin) {
+    keyframes_.clear();
+    add_keyframe(t, keyframe);
+    finish_at_rest(standstill, origin);
+    return Status::kOk;
+  }
   if (frames_.empty()) return begin(t, keyframe);
   SE3 T_B0B = frames_.back().T_B0B;
   T_B0B.R = T_B0B.R * between(frames_.back().t, t, Vec3::Zero()).dR;
@@ -93,7 +106,8 @@ Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
     add_keyframe(t, keyframe);
   }
   if (keyframe == nullptr || to_seconds(t - frames_[0].t) < params_.start_s) return Status::kEmpty;
-  const Status status = finish(standstill, origin);
+  if (standstill.at_rest()) return Status::kEmpty;  // soon for long enough
+  const Status status = finish(origin);
   if (status == Status::kStale && !keyframes_.full()) return Status::kEmpty;  // look longer
   if (status != Status::kOk) reset();
   return status;
@@ -241,15 +255,10 @@ bool Starter::solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const {
   return std::sqrt(squares / static_cast<double>(frames_.size() - 1)) < kFitTolerance_m;
 }
 
-Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) {
-  Vec3 b_g, g_B0, v_B0 = Vec3::Zero();
-  at_rest_ = standstill.at_rest();
-  if (at_rest_) {
-    b_g = standstill.mean_rate_B();
-    g_B0 = -(R_B0B_ * standstill.mean_force_B()).normalized() * kGravity_m_s2;
-  } else if (!solve_gyro_bias(b_g) || !solve_gravity(b_g, g_B0, v_B0)) {
-    return Status::kStale;
-  }
+Status Starter::finish(const SE3& origin) {
+  Vec3 b_g, g_B0, v_B0;
+  at_rest_ = false;
+  if (!solve_gyro_bias(b_g) || !solve_gravity(b_g, g_B0, v_B0)) return Status::kStale;
   const Mat3 R_WB0 = upright(g_B0, origin.R);
   const Vec3 g_W(0, 0, -kGravity_m_s2);
   for (KeyframeMessage& message : keyframes_) {
@@ -258,8 +267,7 @@ Status Starter::finish(const StandstillDetector& standstill, const SE3& origin) 
     const Preintegration motion = between(frames_[0].t, frame->t, b_g);
     message.state.T_WB.R = R_WB0 * frame->T_B0B.R;
     message.state.T_WB.p = origin.p + R_WB0 * frame->T_B0B.p;
-    message.state.v_WB = R_WB0 * (v_B0 + (at_rest_ ? Vec3::Zero() : motion.dv)) +
-                         (at_rest_ ? Vec3::Zero() : Vec3(g_W * motion.dt_s));
+    message.state.v_WB = R_WB0 * (v_B0 + motion.dv) + g_W * motion.dt_s;
     message.state.b_g = b_g;
     message.state.b_a.setZero();
   }
@@ -313,7 +321,7 @@ Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
   add_keyframe(t, keyframe);
   if (to_seconds(t - keyframes_[0].state.t) < params_.start_s) return Status::kEmpty;
   if (standstill.at_rest()) {
-    finish_mono_at_rest(standstill, origin);
+    finish_at_rest(standstill, origin);
     return Status::kOk;
   }
   MonoStart start;
@@ -355,8 +363,9 @@ void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
   cov_ = mono_start_cov(start, motion, R_WB0);
 }
 
-// One keyframe without depth: points come when the body begins to move, by dead reckoning.
-void Starter::finish_mono_at_rest(const StandstillDetector& standstill, const SE3& origin) {
+// One keyframe says all. From one camera it is without depth: points come when the body begins to
+// move, by dead reckoning.
+void Starter::finish_at_rest(const StandstillDetector& standstill, const SE3& origin) {
   at_rest_ = true;
   keyframes_[0] = keyframes_.back();
   keyframes_.resize(1);

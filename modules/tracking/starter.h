@@ -12,7 +12,7 @@
 //         section V.B (gyro bias, gravity on its sphere).
 #pragma once
 
-#include "modules/health/health.h"
+#include "modules/health/standstill.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/mono_start.h"
 #include "modules/tracking/tracking_params.h"
@@ -72,9 +72,9 @@ class Starter {
   Preintegration between(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
   bool solve_gyro_bias(Vec3& b_g) const;
   bool solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const;
-  Status finish(const StandstillDetector& standstill, const SE3& origin);
+  Status finish(const SE3& origin);
   void finish_mono(const MonoStart& start, const SE3& origin);
-  void finish_mono_at_rest(const StandstillDetector& standstill, const SE3& origin);
+  void finish_at_rest(const StandstillDetector& standstill, const SE3& origin);
   void seal_keyframes();
 
   Camera camera_[kCamerasMax];

@@ -27,6 +27,12 @@ struct Start {
     starter->configure(rig.camera, ImuNoise{}, FilterParams{}, params);
     standstill.configure(health);
     standstill.reset();
+    for (int i = 0; i < 48; ++i) {
+      Track track;
+      track.x = 47.0f + 94.0f * static_cast<float>(i % 8);
+      track.y = 40.0f + 80.0f * static_cast<float>(i / 8);
+      (void)seen.push_back(track);
+    }
   }
 
   void look(double t_s) {
@@ -73,7 +79,14 @@ struct Start {
     for (int i = k == 0 ? 0 : 1; i <= 10; ++i) feel((k - 1) * kFrame_s + i * 0.005);
     const double t_s = k * kFrame_s;
     look(t_s);
-    standstill.add_image_motion(image_motion_px, kFrame_s);
+    // Standstill has tracks of its own: those above are new in each image.
+    for (Track& track : seen) {
+      track.x_last = track.x;
+      track.x += static_cast<float>(k % 2 == 0 ? image_motion_px : -image_motion_px);
+      ++track.age;
+    }
+    standstill.add_tracks(seen, 752, 480, kFrame_s);
+    standstill.judge(kFrame_s, {});
     const bool keyframe = starter->wants_keyframe(from_seconds(t_s));
     return starter->add_frame(from_seconds(t_s), tracks[0], tracks[1],
                               keyframe ? observations : nullptr, standstill, origin);
@@ -107,7 +120,7 @@ struct Start {
   StandstillDetector standstill;
   std::unique_ptr<Starter> starter = std::make_unique<Starter>();
   std::vector<Vec3> points;
-  Tracks tracks[kCamerasMax];
+  Tracks tracks[kCamerasMax], seen;
   Observations observations[kCamerasMax];
   SE3 origin;
   int failures = 0;
@@ -177,6 +190,23 @@ TEST(starter, at_rest_gravity_and_bias_come_from_the_imu) {
   EXPECT_LT(s.tilt_error(k), 0.003);
   EXPECT_LT((s.starter->state().b_g - s.sway.b_g).norm(), 1e-3);
   EXPECT_LT(s.starter->state().v_WB.norm(), 1e-9);
+  EXPECT_EQ(s.starter->keyframes().size(), 1u) << "more would say the same";
+  EXPECT_LT(k * kFrame_s, s.params.start_s + s.params.start_keyframe_s + kFrame_s);
+}
+
+// Coming to rest in the middle of an attempt: what came before does not count.
+TEST(starter, rest_counts_from_where_it_began) {
+  Start s(150);
+  s.sway.amplitude_m.setZero();
+  s.sway.omega_angle_rad_s.setZero();
+  int k = 0;
+  for (; k < 8; ++k) EXPECT_EQ(s.frame(k), Status::kEmpty) << k;
+  s.image_motion_px = 0.05;
+  Status status = Status::kEmpty;
+  while (status == Status::kEmpty && k < 60) status = s.frame(k++);
+  EXPECT_EQ(status, Status::kOk);
+  EXPECT_TRUE(s.starter->at_rest());
+  EXPECT_GE(s.starter->state().t, from_seconds(7 * kFrame_s + s.params.start_s));
 }
 
 TEST(starter, too_few_points_are_stale) {

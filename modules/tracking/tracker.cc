@@ -141,6 +141,7 @@ void Tracker::carry_over() {
   A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T_join_.R;
   filter_.reset(state, A * filter_.cov() * A.transpose());
   filter_.propagate(last_imu_);
+  holding_ = false;
   T_WB_last_frame_ = T_join_ * T_WB_last_frame_;
   joining_ = false;
 }
@@ -154,6 +155,7 @@ void Tracker::restart_filter(const BodyState& state, const Mat15& cov) {
     return;
   }
   filter_.reset(state, cov);
+  holding_ = false;
   const SE3 T_WB_last = T_WB_last_frame_;
   for (; i < history_size_; ++i) {
     filter_.propagate(history_[i % kHistory]);
@@ -207,11 +209,13 @@ void Tracker::match(Frontend* frontends) {
 void Tracker::collect(Frontend* frontends) {
   correspondences_.clear();
   corresponding_.clear();
+  const bool at_rest = standstill_.at_rest();
+  const double sigma = params_.filter.sigma_px * (at_rest ? params_.filter.standstill_px_scale : 1);
   for (int c = 0; c < kCamerasMax; ++c) {
     for (Track& track : frontends[c].tracks()) {
       const MapPoint* point = view_.find(track.landmark);
       if (point == nullptr || point->epoch != view_.epoch()) continue;
-      const double sigma = params_.filter.sigma_px;
+      if (at_rest && !standstill_.stands(track)) continue;
       (void)correspondences_.push_back(
           {point->p_W, point->cov, Vec2(track.x, track.y), sigma, c, Gate::kAccepted});
       (void)corresponding_.push_back(&track);  // valid until a track is erased
@@ -239,16 +243,42 @@ void Tracker::count_misses(Frontend* frontends) {
   }
 }
 
-double Tracker::image_motion(const Frontend& frontend) const {
-  FixedVector<float, kTracksMax> moved;
-  for (const Track& track : frontend.tracks()) {
-    if (track.age == 0) continue;
-    const float dx = track.x - track.x_last, dy = track.y - track.y_last;
-    (void)moved.push_back(std::sqrt(dx * dx + dy * dy));
+void Tracker::judge_standstill(uint8_t present, double dt_s, Frontend* frontends) {
+  for (int c = 0; c < cameras_; ++c) {
+    if ((present >> c & 1) == 0) continue;
+    standstill_.add_tracks(frontends[c].tracks(), camera_[c].width, camera_[c].height, dt_s);
   }
-  if (moved.size() < 5) return 1e9;
-  std::nth_element(moved.begin(), moved.begin() + moved.size() / 2, moved.end());
-  return moved[moved.size() / 2];
+  StandstillDetector::Expected expected;
+  if (running_) {
+    const BodyState& state = filter_.state();
+    const Vec3 up_B = state.T_WB.R.transpose() * Vec3(0, 0, kGravity_m_s2);
+    expected = {true, state.b_g, up_B + state.b_a};
+  }
+  standstill_.judge(dt_s, expected);
+  if (!standstill_.at_rest()) return;
+  // Without a descriptor a track becomes no point, and is matched with none.
+  for (int c = 0; c < cameras_; ++c) {
+    for (Track& track : frontends[c].tracks()) {
+      if (!standstill_.moves(track)) continue;
+      track.landmark = LandmarkId{};
+      track.described = false;
+    }
+  }
+}
+
+// Before what is seen is fused: the filter goes on from the last frame at rest, not from what the
+// IMU added since.
+void Tracker::stand_still() {
+  if (!standstill_.at_rest()) {
+    holding_ = false;
+    return;
+  }
+  ++counters_.standstill_frames;
+  if (holding_) {
+    filter_.hold(rest_state_, rest_cov_, standstill_.last_rate_B(), standstill_.last_force_B());
+  } else {
+    filter_.update_standstill(standstill_.mean_rate_B());
+  }
 }
 
 // The cameras that delivered something to see, a bit each.
@@ -266,7 +296,7 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present, Frontend* frontends) {
   ++counters_.frames;
   const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
   const uint8_t seen = seeing(present, frontends);
-  standstill_.add_image_motion(image_motion(frontends[seen == kRightAlone ? 1 : 0]), dt_s);
+  judge_standstill(present, dt_s, frontends);
   if (seen == kBoth || last_pair_t_ == 0) last_pair_t_ = t;
   last_frame_t_ = t;
   const bool ran = running_;
@@ -287,6 +317,7 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present, Frontend* frontends) {
 void Tracker::update(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result) {
   const SE3 T_WB_predicted = filter_.state().T_WB;
   const int enough = static_cast<int>(params_.health.matches_min);
+  stand_still();
   collect(frontends);
   result.correspondences = static_cast<int>(correspondences_.size());
   result.accepted = filter_.update(correspondences_);
@@ -301,8 +332,9 @@ void Tracker::update(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& r
   }
   count_misses(frontends);
   if (standstill_.at_rest()) {
-    filter_.update_standstill(standstill_.mean_rate_B());
-    ++counters_.standstill_frames;
+    holding_ = true;
+    rest_state_ = filter_.state();
+    rest_cov_ = filter_.cov();
   }
   note_jump(T_WB_predicted, filter_.state().T_WB, result.recognised);
   const double sigma_m = std::sqrt(filter_.cov().diagonal().segment<3>(3).maxCoeff());
@@ -351,6 +383,7 @@ void Tracker::interrupt() {
   }
   starter_.reset();
   standstill_.reset();
+  holding_ = false;
   has_imu_ = false;
   history_size_ = 0;
   last_frame_t_ = last_pair_t_ = last_recognise_t_ = last_loop_t_ = light_since_ = 0;

@@ -14,6 +14,7 @@
 #include "modules/health/health.h"
 #include "modules/map/map_error.h"
 #include "modules/mapping/loop_closure.h"
+#include "modules/health/standstill.h"
 #include "modules/matching/projection.h"
 #include "modules/matching/recognise.h"
 #include "modules/matching/stereo.h"
@@ -105,7 +106,8 @@ class Tracker {
   void carry_over();
   int occupied_cells() const;
   void count_misses(Frontend* frontends);
-  double image_motion(const Frontend& frontend) const;
+  void judge_standstill(uint8_t present, double dt_s, Frontend* frontends);
+  void stand_still();
   uint8_t seeing(uint8_t present, const Frontend* frontends) const;
   void start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   Status try_start(TimeNs t, uint8_t seen, Frontend* frontends);
@@ -129,6 +131,9 @@ class Tracker {
   StereoMatcher stereo_;
   Health health_;
   StandstillDetector standstill_;
+  bool holding_ = false;  // at rest: at the last frame the filter was at rest_state_ with rest_cov_
+  BodyState rest_state_;
+  Mat15 rest_cov_ = Mat15::Zero();
   MapView view_;
   bool running_ = false;
   bool in_doubt_ = false;

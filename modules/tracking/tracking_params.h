@@ -15,6 +15,10 @@ struct FilterParams {
   float point_cov_scale = 1.0f;
   float standstill_sigma_m_s = 0.005f;
   float standstill_sigma_rad_s = 0.002f;
+  float standstill_sigma_m_s2 = 0.05f;
+  float standstill_shift_m = 0.001f;
+  float standstill_turn_rad = 2e-4f;
+  float standstill_px_scale = 4.0f;
 };
 
 inline constexpr ParamRow<FilterParams> kFilterRows[] = {
@@ -30,6 +34,14 @@ inline constexpr ParamRow<FilterParams> kFilterRows[] = {
      "noise of zero velocity"},
     {"standstill_sigma_rad_s", &FilterParams::standstill_sigma_rad_s, 1e-5f, 1, "rad/s",
      "noise of zero rate"},
+    {"standstill_sigma_m_s2", &FilterParams::standstill_sigma_m_s2, 1e-4f, 1, "m/s^2",
+     "noise of gravity as the only force"},
+    {"standstill_shift_m", &FilterParams::standstill_shift_m, 1e-6f, 0.1f, "m/sqrt(s)",
+     "what rest leaves open of the place"},
+    {"standstill_turn_rad", &FilterParams::standstill_turn_rad, 1e-7f, 0.1f, "rad/sqrt(s)",
+     "what rest leaves open of the attitude"},
+    {"standstill_px_scale", &FilterParams::standstill_px_scale, 1, 100, "1",
+     "at rest, times the noise of a tracked point: each frame says the same again"},
 };
 static_assert(sizeof(FilterParams) == std::size(kFilterRows) * sizeof(float));
 

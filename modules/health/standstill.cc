@@ -1,0 +1,157 @@
+#include "modules/health/standstill.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "modules/imu/gravity.h"
+
+namespace pirvs {
+
+namespace {
+
+constexpr int kCellsMin = 8;           // fewer that vote: nothing is seen
+constexpr double kShareToRest = 0.35;  // of the cells, more than this stand
+constexpr double kShareToLeave = 0.2;  // what moves before the camera may grow meanwhile
+constexpr double kLeft_s = 0.3;        // so long it counts that a track left its place
+constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
+constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
+
+// Keeps where the track stays: a place that it leaves is given up for the one where it is now.
+void follow(Track& track, double dt_s, double stay_px) {
+  if (track.still_s < 0) {  // its second image
+    track.x_still = track.x_last;
+    track.y_still = track.y_last;
+    track.still_s = 0;
+  }
+  const double dx = track.x - track.x_still, dy = track.y - track.y_still;
+  if (dx * dx + dy * dy <= stay_px * stay_px) {
+    track.still_s += static_cast<float>(dt_s);
+    const double gain = dt_s / kTrackSettle_s;
+    track.x_still += static_cast<float>(gain * dx);
+    track.y_still += static_cast<float>(gain * dy);
+    return;
+  }
+  track.x_still = track.x;
+  track.y_still = track.y;
+  track.still_s = 0;
+  track.moves = static_cast<uint8_t>(std::min(track.moves + 1, 255));
+}
+
+}  // namespace
+
+void StandstillDetector::reset() {
+  count_ = next_ = sum_count_ = 0;
+  cells_still_ = cells_ = standing_ = 0;
+  left_ = 0;
+  w_sum_.setZero();
+  f_sum_.setZero();
+  w_sigma_ = f_sigma_ = 1e9;
+  still_share_ = patience_s_ = rest_s_ = 0;
+}
+
+void StandstillDetector::add_imu(const ImuSample& sample) {
+  const int window = std::min(kWindowMax, static_cast<int>(params_.standstill_window));
+  window_[next_] = sample;
+  next_ = (next_ + 1) % window;
+  count_ = std::min(count_ + 1, window);
+  w_sum_ += sample.w_B;
+  f_sum_ += sample.f_B;
+  ++sum_count_;
+}
+
+// A track votes once it has moved or has stood for long enough, a cell by the majority of its
+// tracks: what attracts many tracks has no more votes than its share of the image.
+void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, double dt_s) {
+  int votes[kColumns * kRows] = {};
+  bool voted[kColumns * kRows] = {};
+  for (Track& track : tracks) {
+    if (track.age == 0) continue;
+    const bool stood = stands(track);
+    follow(track, dt_s, params_.standstill_image_px);
+    if (stands(track)) {
+      track.moves = 0;
+      ++standing_;
+    } else if (track.moves == 0) {
+      continue;
+    }
+    left_ += stood && !stands(track) ? 1 : 0;
+    const int column = std::clamp(static_cast<int>(track.x) * kColumns / width, 0, kColumns - 1);
+    const int row = std::clamp(static_cast<int>(track.y) * kRows / height, 0, kRows - 1);
+    votes[row * kColumns + column] += stands(track) ? 1 : -1;
+    voted[row * kColumns + column] = true;
+  }
+  for (int i = 0; i < kColumns * kRows; ++i) {
+    cells_ += voted[i] ? 1 : 0;
+    cells_still_ += votes[i] > 0 ? 1 : 0;
+  }
+}
+
+void StandstillDetector::take_means() {
+  w_mean_.setZero();
+  f_mean_.setZero();
+  for (int i = 0; i < count_; ++i) {
+    w_mean_ += window_[i].w_B;
+    f_mean_ += window_[i].f_B;
+  }
+  w_mean_ /= count_;
+  f_mean_ /= count_;
+  double w2 = 0, f2 = 0;
+  for (int i = 0; i < count_; ++i) {
+    w2 += (window_[i].w_B - w_mean_).squaredNorm();
+    f2 += (window_[i].f_B - f_mean_).squaredNorm();
+  }
+  w_sigma_ = std::sqrt(w2 / count_);
+  f_sigma_ = std::sqrt(f2 / count_);
+  w_last_ = sum_count_ > 0 ? Vec3(w_sum_ / sum_count_) : w_mean_;
+  f_last_ = sum_count_ > 0 ? Vec3(f_sum_ / sum_count_) : f_mean_;
+  w_sum_.setZero();
+  f_sum_.setZero();
+  sum_count_ = 0;
+}
+
+bool StandstillDetector::imu_quiet() const {
+  return count_ >= static_cast<int>(params_.standstill_window) &&
+         w_sigma_ < params_.standstill_gyro_rad_s && f_sigma_ < params_.standstill_accel_m_s2 &&
+         std::fabs(f_mean_.norm() - kGravity_m_s2) < params_.standstill_gravity_m_s2;
+}
+
+bool StandstillDetector::as_expected(const Expected& expected) const {
+  return !expected.known || ((w_mean_ - expected.w_B).norm() < params_.standstill_rate_rad_s &&
+                             (f_mean_ - expected.f_B).norm() < params_.standstill_force_m_s2);
+}
+
+// At rest any change against what the IMU settled on is a motion: of the device, or of the device
+// with all that it sees.
+bool StandstillDetector::stays() const {
+  return (w_last_ - w_rest_).norm() < 0.5 * params_.standstill_rate_rad_s &&
+         (f_last_ - f_rest_).norm() < 0.5 * params_.standstill_force_m_s2;
+}
+
+void StandstillDetector::judge(double dt_s, const Expected& expected) {
+  if (count_ > 0) take_means();
+  still_share_ = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
+  cells_ = cells_still_ = 0;
+  const bool was_at_rest = at_rest();
+  const bool image_still = was_at_rest ? still_share_ > kShareToLeave && left_ < standing_
+                                       : still_share_ > kShareToRest;
+  left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
+  standing_ = 0;
+  if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {
+    rest_s_ = patience_s_ = 0;
+    return;
+  }
+  if (was_at_rest) {
+    rest_s_ += dt_s;
+    const double gain = std::min(1.0, dt_s / kImuSettle_s);
+    w_rest_ += gain * (w_last_ - w_rest_);
+    f_rest_ += gain * (f_last_ - f_rest_);
+    return;
+  }
+  patience_s_ += dt_s;
+  if (!as_expected(expected) && patience_s_ < params_.standstill_patience_s) return;
+  rest_s_ = params_.standstill_image_s;
+  w_rest_ = w_mean_;
+  f_rest_ = f_mean_;
+}
+
+}  // namespace pirvs

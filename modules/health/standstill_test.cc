@@ -1,0 +1,233 @@
+#include "modules/health/standstill.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+#include "modules/imu/gravity.h"
+#include "modules/testing.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Random;
+
+constexpr int kWidth = 752, kHeight = 480;
+constexpr double kFrame_s = 0.05;
+
+// Four tracks in each of the 48 cells; at rest they jitter about their places.
+struct Case {
+  Case() {
+    detector.configure(params);
+    detector.reset();
+    for (int i = 0; i < 48 * 4; ++i) {
+      Track track;
+      track.x = 20.0f + 94.0f * static_cast<float>(i % 8) + 30.0f * static_cast<float>(i / 48 % 2);
+      track.y = 20.0f + 80.0f * static_cast<float>(i / 8 % 6) + 30.0f * static_cast<float>(i / 96);
+      (void)tracks.push_back(track);
+      place.push_back(Vec2(track.x, track.y));
+    }
+  }
+
+  // flow(place): how far a track goes in this image.
+  template <class Flow>
+  bool frame(const Flow& flow) {
+    for (int i = 0; i < 10; ++i) {
+      detector.add_imu({t += 5'000'000, w_B + random.vec(sigma_w), f_B + random.vec(sigma_f)});
+    }
+    for (size_t i = 0; i < tracks.size(); ++i) {
+      Track& track = tracks[i];
+      track.x_last = track.x;
+      track.y_last = track.y;
+      place[i] += flow(place[i]);
+      const Vec2 at = place[i] + random.pixel(jitter_px);
+      track.x = static_cast<float>(at.x());
+      track.y = static_cast<float>(at.y());
+      ++track.age;
+    }
+    detector.add_tracks(tracks, kWidth, kHeight, kFrame_s);
+    detector.judge(kFrame_s, expected);
+    return detector.at_rest();
+  }
+  bool still() {
+    return frame([](const Vec2&) { return Vec2(0, 0); });
+  }
+  // The frame at which it is at rest, or none of `frames`.
+  int run_to_rest(int frames) {
+    for (int k = 1; k <= frames; ++k) {
+      if (still()) return k;
+    }
+    return 0;
+  }
+
+  HealthParams params;
+  StandstillDetector detector;
+  StandstillDetector::Expected expected;
+  Random random{6};
+  Vec3 w_B = Vec3(0.02, -0.01, 0.03), f_B = Vec3(0.5, 0.3, 9.78);
+  double sigma_w = 0.002, sigma_f = 0.03, jitter_px = 0.05;
+  TimeNs t = 0;
+  Tracks tracks;
+  FixedVector<Vec2, kTracksMax> place;
+};
+
+TEST(standstill, rest_is_seen_and_its_means_are_measured) {
+  Case c;
+  const int k = c.run_to_rest(40);
+  ASSERT_GT(k, 0);
+  EXPECT_NEAR(k * kFrame_s, c.params.standstill_image_s, kFrame_s + 1e-6);
+  EXPECT_NEAR(c.detector.rest_s(), c.params.standstill_image_s, 1e-6);
+  EXPECT_EQ(c.detector.samples(), 64);
+  EXPECT_LT((c.detector.mean_rate_B() - c.w_B).norm(), 0.002);
+  EXPECT_LT((c.detector.last_rate_B() - c.w_B).norm(), 0.003);
+  EXPECT_LT((c.detector.mean_force_B() - c.f_B).norm(), 0.02);
+  EXPECT_LT((c.detector.last_force_B() - c.f_B).norm(), 0.04);
+  for (int i = 0; i < 20; ++i) EXPECT_TRUE(c.still());
+  EXPECT_NEAR(c.detector.rest_s(), c.params.standstill_image_s + 1, 1e-6);
+}
+
+TEST(standstill, needs_a_full_window_of_samples) {
+  Case c;
+  c.params.standstill_window = 200;  // 20 frames
+  c.detector.configure(c.params);
+  EXPECT_EQ(c.run_to_rest(40), 20);
+}
+
+TEST(standstill, each_restless_sign_of_the_imu_alone_denies_it) {
+  Case turning, shaking, falling;
+  turning.sigma_w = 0.05;
+  EXPECT_EQ(turning.run_to_rest(100), 0);
+  shaking.sigma_f = 0.5;
+  EXPECT_EQ(shaking.run_to_rest(100), 0) << "a scene that is shaken with the device";
+  falling.f_B = Vec3(0, 0, 8.8);
+  EXPECT_EQ(falling.run_to_rest(100), 0) << "a lift that speeds up";
+}
+
+// All of the image moves, the IMU is as quiet as at rest.
+TEST(standstill, a_steady_flight_is_no_rest) {
+  for (const double px : {0.06, 0.2, 1.0, 8.0}) {
+    Case c;
+    for (int k = 0; k < 200; ++k) {
+      EXPECT_FALSE(c.frame([&](const Vec2&) { return Vec2(px, 0.3 * px); })) << px << " px, " << k;
+    }
+  }
+}
+
+// Towards what is seen, flow grows from the middle of the image outwards: 0.1 m/s at 5 m.
+TEST(standstill, a_steady_flight_ahead_is_no_rest) {
+  Case c;
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_FALSE(c.frame([&](const Vec2& p) -> Vec2 {
+      return (p - Vec2(376, 240)) * (0.1 * kFrame_s / 5);
+    })) << k;
+  }
+}
+
+Vec2 to_and_fro(int k) { return Vec2(4.0 * std::cos(0.1 * k), 0); }
+
+// A third of the cells, which hold most of the tracks.
+TEST(standstill, an_object_that_attracts_the_tracks_does_not_hide_rest) {
+  Case c;
+  size_t kept = 0;
+  for (size_t i = 0; i < c.tracks.size(); ++i) {
+    const bool on_object = c.place[i].x() < kWidth / 3.0;
+    if (!on_object && i >= 48) continue;  // elsewhere one track a cell
+    c.tracks[kept] = c.tracks[i];
+    c.place[kept++] = c.place[i];
+  }
+  c.tracks.resize(kept);
+  c.place.resize(kept);
+  const auto on_object = [](const Vec2& p) { return p.x() < kWidth / 3.0 + 60; };
+  int rested = 0;
+  size_t told = 0, wrong = 0;
+  for (int k = 0; k < 400; ++k) {
+    const auto flow = [&](const Vec2& p) { return on_object(p) ? to_and_fro(k) : Vec2(0, 0); };
+    rested += c.frame(flow) ? 1 : 0;
+  }
+  for (size_t i = 0; i < c.tracks.size(); ++i) {
+    told += c.detector.moves(c.tracks[i]) ? 1 : 0;
+    wrong += c.detector.moves(c.tracks[i]) && !on_object(c.place[i]) ? 1 : 0;
+  }
+  EXPECT_GE(rested, 400 - 12);
+  EXPECT_GT(told, c.tracks.size() / 3);
+  EXPECT_EQ(wrong, 0u);
+}
+
+TEST(standstill, an_object_that_fills_the_view_does_hide_it) {
+  Case c;
+  for (int k = 0; k < 200; ++k) {
+    EXPECT_FALSE(c.frame([&](const Vec2& p) {
+      return p.x() < kWidth * 0.7 ? to_and_fro(k) : Vec2(0, 0);
+    }));
+  }
+}
+
+TEST(standstill, slow_motion_of_the_whole_image_ends_it_soon) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  for (int k = 0; k < 100; ++k) c.still();
+  int k = 1;  // 1 px/s: 1 cm/s, 5 m from what is seen
+  while (k < 40 && c.frame([](const Vec2&) { return Vec2(0.05, 0); })) ++k;
+  EXPECT_LE(k * kFrame_s, 0.5);
+}
+
+TEST(standstill, a_push_or_a_turn_ends_it_at_once) {
+  for (const int kind : {0, 1, 2}) {
+    Case c;
+    ASSERT_GT(c.run_to_rest(40), 0);
+    if (kind == 0) c.f_B.x() += 0.2;   // that changes the force's size by nothing to speak of
+    if (kind == 1) c.w_B.z() += 0.012;  // 0.7 deg/s, with the scene: the image does not show it
+    if (kind == 2) c.sigma_f = 1;
+    EXPECT_FALSE(c.still()) << kind;
+  }
+}
+
+// The bias may wander while it stands.
+TEST(standstill, the_slow_wander_of_biases_is_no_motion) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  for (int k = 0; k < 12'000; ++k) {  // ten minutes
+    c.w_B.z() += 0.01 / 12'000;
+    c.f_B.x() += 0.2 / 12'000;
+    ASSERT_TRUE(c.still()) << k;
+  }
+}
+
+// A train that has set off smoothly, seen from within: the pose knows that the force is not gravity
+// alone. In the end the train is the world.
+TEST(standstill, what_the_pose_denies_is_believed_late) {
+  for (const bool turning : {false, true}) {
+    Case c;
+    c.expected = {true, c.w_B, c.f_B};
+    (turning ? c.w_B.z() : c.f_B.y()) += turning ? 0.03 : 0.4;
+    const int k = c.run_to_rest(100);
+    EXPECT_NEAR(k * kFrame_s, c.params.standstill_image_s + c.params.standstill_patience_s, 0.11);
+  }
+  Case agreed;
+  agreed.expected = {true, agreed.w_B, agreed.f_B};
+  EXPECT_NEAR(agreed.run_to_rest(100) * kFrame_s, agreed.params.standstill_image_s, 0.051);
+}
+
+TEST(standstill, without_images_there_is_no_rest) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  c.tracks.clear();
+  EXPECT_FALSE(c.still());
+}
+
+TEST(standstill, not_a_number_is_no_rest) {
+  Case c;
+  c.f_B.x() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_EQ(c.run_to_rest(40), 0);
+}
+
+TEST(standstill, reset_forgets) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  c.detector.reset();
+  EXPECT_FALSE(c.detector.at_rest());
+  EXPECT_EQ(c.detector.samples(), 0);
+}
+
+}  // namespace
+}  // namespace pirvs
