@@ -35,8 +35,8 @@ class ClockCheck {
   Verdict frame(const Frame& frame, TimeNs shift);
 
  private:
-  static constexpr size_t kPairs = 40;     // tracks of a frame that are looked at
-  static constexpr size_t kFrames = 128;   // that wait for the gyro's samples
+  static constexpr size_t kPairs = 40;      // tracks of a frame that are looked at
+  static constexpr size_t kFrames = 128;    // that wait for the gyro's samples
   static constexpr size_t kHistory = 2048;  // samples
   struct Pair {
     Eigen::Vector3f before_C, now_C;  // bearings of one track

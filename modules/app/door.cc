@@ -24,12 +24,31 @@ ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
 }  // namespace
 
 const char* name(DoorLoss loss) {
-  static constexpr const char* kNames[] = {
-      "imu_not_finite", "imu_out_of_range", "imu_stamp_impossible", "imu_saturated", "imu_spike",
-      "imu_stuck", "imu_stamp_ahead", "imu_backwards", "imu_lost", "imu_gap", "imu_clock_back",
-      "stream_broken", "frame_stamp_impossible", "frame_backwards", "frame_before_imu",
-      "frame_without_imu", "frame_ahead", "camera_missing", "camera_late", "camera_frozen",
-      "camera_wrong_size", "camera_silent", "camera_gap", "camera_clock_set", "imu_clock_set"};
+  static constexpr const char* kNames[] = {"imu_not_finite",
+                                           "imu_out_of_range",
+                                           "imu_stamp_impossible",
+                                           "imu_saturated",
+                                           "imu_spike",
+                                           "imu_stuck",
+                                           "imu_stamp_ahead",
+                                           "imu_backwards",
+                                           "imu_lost",
+                                           "imu_gap",
+                                           "imu_clock_back",
+                                           "stream_broken",
+                                           "frame_stamp_impossible",
+                                           "frame_backwards",
+                                           "frame_before_imu",
+                                           "frame_without_imu",
+                                           "frame_ahead",
+                                           "camera_missing",
+                                           "camera_late",
+                                           "camera_frozen",
+                                           "camera_wrong_size",
+                                           "camera_silent",
+                                           "camera_gap",
+                                           "camera_clock_set",
+                                           "imu_clock_set"};
   static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }

@@ -36,9 +36,11 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
     {"bridge_s", &DoorParams::bridge_s, 0.05f, 10, "s",
      "a longer one is not bridged: tracking starts anew"},
     {"break_s", &DoorParams::break_s, 0.05f, 10, "s",
-     "a stamp this far ahead waits for the next; time that runs back this long is a clock set back"},
+     "a stamp this far ahead waits for the next; time that runs back this long is a clock set "
+     "back"},
     {"clock_step_s", &DoorParams::clock_step_s, 0.05f, 2, "s",
-     "stamps of one sensor that step by more over its period: was its clock set against the other's?"},
+     "stamps of one sensor that step by more over its period: was its clock set against the "
+     "other's?"},
     {"pair_s", &DoorParams::pair_s, 0, 0.1f, "s",
      "an image whose stamp is farther from its frame's is late and left out"},
     {"frame_wait_s", &DoorParams::frame_wait_s, 0.01f, 10, "s",

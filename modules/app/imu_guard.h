@@ -44,7 +44,7 @@ class ImuGuard {
   DoorParams params_;
   TimeNs break_ = 0, bridge_ = 0, gap_ = 0, clock_step_ = 0;
   TimeNs period_ = 0;  // of the samples, as they come
-  ImuSample last_;  // accepted
+  ImuSample last_;     // accepted
   bool has_last_ = false;
   ImuSample doubted_;
   Doubt why_doubted_ = Doubt::kNone;

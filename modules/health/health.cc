@@ -12,7 +12,7 @@ constexpr float kStartConfidence = 0.5f;
 constexpr double kRestConfidence = 0.9;   // held by zero velocity, whatever is seen
 constexpr double kBlindConfidence = 0.5;  // at once; from there it falls with time
 constexpr double kDoubtConfidence = 0.25;
-constexpr double kSpreadFull = 1.5;       // two thirds of the cells are as good as all
+constexpr double kSpreadFull = 1.5;  // two thirds of the cells are as good as all
 
 }  // namespace
 

@@ -132,8 +132,8 @@ void StandstillDetector::judge(double dt_s, const Expected& expected) {
   still_share_ = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
   cells_ = cells_still_ = 0;
   const bool was_at_rest = at_rest();
-  const bool image_still = was_at_rest ? still_share_ > kShareToLeave && left_ < standing_
-                                       : still_share_ > kShareToRest;
+  const bool image_still =
+      was_at_rest ? still_share_ > kShareToLeave && left_ < standing_ : still_share_ > kShareToRest;
   left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
   standing_ = 0;
   if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {

@@ -156,9 +156,8 @@ TEST(standstill, an_object_that_attracts_the_tracks_does_not_hide_rest) {
 TEST(standstill, an_object_that_fills_the_view_does_hide_it) {
   Case c;
   for (int k = 0; k < 200; ++k) {
-    EXPECT_FALSE(c.frame([&](const Vec2& p) {
-      return p.x() < kWidth * 0.7 ? to_and_fro(k) : Vec2(0, 0);
-    }));
+    EXPECT_FALSE(
+        c.frame([&](const Vec2& p) { return p.x() < kWidth * 0.7 ? to_and_fro(k) : Vec2(0, 0); }));
   }
 }
 
@@ -175,7 +174,7 @@ TEST(standstill, a_push_or_a_turn_ends_it_at_once) {
   for (const int kind : {0, 1, 2}) {
     Case c;
     ASSERT_GT(c.run_to_rest(40), 0);
-    if (kind == 0) c.f_B.x() += 0.2;   // that changes the force's size by nothing to speak of
+    if (kind == 0) c.f_B.x() += 0.2;    // that changes the force's size by nothing to speak of
     if (kind == 1) c.w_B.z() += 0.012;  // 0.7 deg/s, with the scene: the image does not show it
     if (kind == 2) c.sigma_f = 1;
     EXPECT_FALSE(c.still()) << kind;

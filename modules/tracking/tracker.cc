@@ -12,8 +12,8 @@
 namespace pirvs {
 namespace {
 
-constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;   // cameras, a bit each
-constexpr size_t kTracksSeeing = 8;                             // fewer: the camera sees nothing
+constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;  // cameras, a bit each
+constexpr size_t kTracksSeeing = 8;                            // fewer: the camera sees nothing
 constexpr float kDoubt_s = 0.2f;  // in doubt, a sample says no more than a line over such a gap
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
 // By how much an untracked device may turn from what the gyro says, and go.

@@ -16,7 +16,8 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--camera", o.device,
                  "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye")
       ->capture_default_str();
-  app.add_option("--path", o.path, "'spline', 'rest', 'steady' or a ground-truth file (ASL csv, TUM) to fly along")
+  app.add_option("--path", o.path,
+                 "'spline', 'rest', 'steady' or a ground-truth file (ASL csv, TUM) to fly along")
       ->capture_default_str();
   app.add_option("--duration", o.duration_s, "seconds; with a file: at most")
       ->capture_default_str()
