@@ -66,7 +66,7 @@ struct TrackerParams {
   float loop_keyframes_min = 30.0f;
   float loop_every_s = 0.5f;
   float loop_matches_min = 30.0f;
-  float cov_scale = 2.0f;
+  float cov_scale = 1.8f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
