@@ -66,7 +66,7 @@ void add_gradients(Rows& rows, int y, int columns) {
 
 inline int32x4_t sum_two(const int32_t* p) { return vaddq_s32(vld1q_s32(p), vld1q_s32(p + 1)); }
 
-// Four sums over five columns, as two pairs and the fifth. pairs: from sum_two(p) to sum_two(p + 4).
+// Four sums over five columns, as two pairs and the fifth. pairs: sum_two(p) becomes that of p + 4.
 inline int32x4_t sum_five(const int32_t* p, int32x4_t& pairs) {
   const int32x4_t fifth = vld1q_s32(p + 4);
   const int32x4_t next = vaddq_s32(fifth, vld1q_s32(p + 5));
