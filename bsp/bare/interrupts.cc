@@ -21,15 +21,15 @@ struct {
 int handlers_size = 0;
 
 // ICC_* have no names in binutils before GICv3 is switched on by -march; these are their encodings.
-#define ICC_PMR_EL1 S3_0_C4_C6_0
-#define ICC_IAR1_EL1 S3_0_C12_C12_0
-#define ICC_EOIR1_EL1 S3_0_C12_C12_1
-#define ICC_SGI1R_EL1 S3_0_C12_C11_5
-#define ICC_SRE_EL1 S3_0_C12_C12_5
-#define ICC_IGRPEN1_EL1 S3_0_C12_C12_7
+#define PIRVS_ICC_PMR_EL1 S3_0_C4_C6_0
+#define PIRVS_ICC_IAR1_EL1 S3_0_C12_C12_0
+#define PIRVS_ICC_EOIR1_EL1 S3_0_C12_C12_1
+#define PIRVS_ICC_SGI1R_EL1 S3_0_C12_C11_5
+#define PIRVS_ICC_SRE_EL1 S3_0_C12_C12_5
+#define PIRVS_ICC_IGRPEN1_EL1 S3_0_C12_C12_7
 // The macros of registers.h put a name into quotes before it is replaced.
-#define READ_BY(name) PIRVS_READ(name)
-#define WRITE_BY(name, value) PIRVS_WRITE(name, value)
+#define PIRVS_READ_BY(name) PIRVS_READ(name)
+#define PIRVS_WRITE_BY(name, value) PIRVS_WRITE(name, value)
 
 GicV3 gic() { return GicV3(kMachine.gicd, kMachine.gicr, kMachine.cores); }
 
@@ -41,12 +41,12 @@ void interrupts_start() {
 }
 
 void interrupts_start_core() {
-  WRITE_BY(ICC_SRE_EL1, READ_BY(ICC_SRE_EL1) | 1);
+  PIRVS_WRITE_BY(PIRVS_ICC_SRE_EL1, PIRVS_READ_BY(PIRVS_ICC_SRE_EL1) | 1);
   asm volatile("isb");
   const Status woken = gic().start_core(kMachine.mpidr[this_core()]);
   PIRVS_ASSERT(woken == Status::kOk);
-  WRITE_BY(ICC_PMR_EL1, kEveryPriority);
-  WRITE_BY(ICC_IGRPEN1_EL1, 1);
+  PIRVS_WRITE_BY(PIRVS_ICC_PMR_EL1, kEveryPriority);
+  PIRVS_WRITE_BY(PIRVS_ICC_IGRPEN1_EL1, 1);
   asm volatile("isb");
   unmask_interrupts();
 }
@@ -65,12 +65,12 @@ void interrupt_enable(uint32_t intid) {
 void interrupt_all_others(uint32_t intid) {
   PIRVS_ASSERT(intid < kMessagesMax);
   asm volatile("dsb ish" ::: "memory");  // they see what was written before
-  WRITE_BY(ICC_SGI1R_EL1, kToAllOthers | static_cast<uint64_t>(intid) << 24);
+  PIRVS_WRITE_BY(PIRVS_ICC_SGI1R_EL1, kToAllOthers | static_cast<uint64_t>(intid) << 24);
   asm volatile("isb");
 }
 
 void interrupt_entry(const ExceptionFrame& frame) {
-  const uint32_t intid = static_cast<uint32_t>(READ_BY(ICC_IAR1_EL1));
+  const uint32_t intid = static_cast<uint32_t>(PIRVS_READ_BY(PIRVS_ICC_IAR1_EL1));
   if (intid >= kNoInterrupt) return;
   asm volatile("dsb sy" ::: "memory");
   // Ended before it is handled: handlers run masked, and one that restarts leaves nothing open.
@@ -78,7 +78,7 @@ void interrupt_entry(const ExceptionFrame& frame) {
   int i = 0;
   while (i < handlers_size && handlers[i].intid != intid) ++i;
   PIRVS_ASSERT(i < handlers_size);
-  WRITE_BY(ICC_EOIR1_EL1, intid);
+  PIRVS_WRITE_BY(PIRVS_ICC_EOIR1_EL1, intid);
   handlers[i].handler(intid, frame);
 }
 

@@ -11,12 +11,16 @@ import re
 import subprocess
 from pathlib import Path
 
-FLAGS = ["-std=c++17", "-march=native", "-Wno-everything", "-I.", "-isystem/usr/include/eigen3",
+FLAGS = ["-std=c++17", "-Wno-everything", "-I.", "-isystem/usr/include/eigen3",
          "-isystem/usr/include/opencv4", "-DEIGEN_DONT_VECTORIZE",
          "-DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul", "-DEIGEN_NO_IO"]
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
 WARNING = re.compile(r"^(.*?):(\d+):\d+: (?:warning|error): (.*)$")
+# Sources that only AArch64 without an operating system compiles, and how the others are.
 BARE = ("bsp/bare/", "board/bare/", "board/qemu-virt/", "board/rk3399-bare/")
+BARE_FLAGS = ["--target=aarch64-linux-gnu", "-mcpu=cortex-a72"]
+HOST_FLAGS = ["-march=native"]
+AARCH64 = "a function BadName for AArch64"  # of the self-test
 
 
 def reached(path, tree, seen=None):
@@ -29,8 +33,12 @@ def reached(path, tree, seen=None):
     return seen
 
 
+def flags_of(path):
+    return FLAGS + (BARE_FLAGS if path.startswith(BARE) else HOST_FLAGS)
+
+
 def verdict_name(path, tree):
-    digest = hashlib.sha256(path.encode() + " ".join(FLAGS).encode())
+    digest = hashlib.sha256(path.encode() + " ".join(flags_of(path)).encode())
     for name in [".clang-tidy", "tools/check/tidy.py", *sorted(reached(path, tree))]:
         digest.update(f"\0{name}\0{tree.get(name, '')}".encode())
     return digest.hexdigest()[:24] + ".json"
@@ -38,7 +46,7 @@ def verdict_name(path, tree):
 
 def read_one(path, folder=Path(".")):
     """Findings of one source; paths in them are relative to the root."""
-    run = subprocess.run(["clang-tidy", "--quiet", path, "--", *FLAGS], cwd=folder,
+    run = subprocess.run(["clang-tidy", "--quiet", path, "--", *flags_of(path)], cwd=folder,
                          capture_output=True, text=True)
     root = str(folder.resolve()) + os.sep
     found = [WARNING.match(line) for line in run.stdout.splitlines()]
@@ -51,9 +59,8 @@ def read_one(path, folder=Path(".")):
 def check(tree, options):
     cache = Path(options.work) / "tidy"
     cache.mkdir(exist_ok=True)
-    # Tests and benches are left out: the macros of their libraries are not ours to name. So is what
-    # only AArch64 without an operating system compiles: registers, an ABI with names of its own.
-    sources = [p for p in tree if p.endswith(".cc") and not p.startswith(("tests/", *BARE))
+    # Tests and benches are left out: the macros of their libraries are not ours to name.
+    sources = [p for p in tree if p.endswith(".cc") and not p.startswith("tests/")
                and not re.search(r"_(test|bench)\.cc$", p)]
 
     def verdict(path):
@@ -86,6 +93,7 @@ def self_test(options):
         "use after move": "#include <utility>\nstruct S { S(S&&); int x; };\nvoid g(S);\n"
                           "int f(S s) { g(std::move(s)); return s.x; }",
         "integer division": "double f(int a) { return 0.5 * (a / 2); }",
+        AARCH64: "#ifdef __aarch64__\nvoid BadName() {}\n#endif",
     }
     good = ("struct SE3 { int R_WB = 0; };\nconstexpr int kTracksMax = 4;\n"
             "constexpr unsigned kImuFifo_us = 10;\nenum class Gate { kChi2 };\n"
@@ -95,7 +103,8 @@ def self_test(options):
     cases = {**bad, "good": good}
     paths = {}
     for number, (what, text) in enumerate(cases.items()):
-        paths[what] = f"case_{number}.cc"
+        paths[what] = f"{BARE[0] if what == AARCH64 else ''}case_{number}.cc"
+        (folder / paths[what]).parent.mkdir(parents=True, exist_ok=True)
         (folder / paths[what]).write_text(text + "\n")
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         found = dict(zip(paths, pool.map(lambda p: read_one(p, folder), paths.values())))
