@@ -283,6 +283,17 @@ class PipelineTest(unittest.TestCase):
         self.assertLess(wide[0], 1.5)
         self.assertGreater(system[0], 0)
 
+    def test_a_border_of_a_page_costs_nothing(self):
+        whole = (FMUL_D0_D0_D0,) * 2 + (ADD_X0_X0_1,) * 6
+        with tempfile.TemporaryDirectory() as folder:
+            (one,) = pipeline.placed_cycles("cortex-a72", [(0x1000, whole)], folder)
+            parts = [(0x1FF8, whole[:2]), (0x2000, whole[2:])]
+            a, b = pipeline.placed_cycles("cortex-a72", parts, folder)
+            self.assertAlmostEqual(a[0] + b[0], one[0])
+            elsewhere = [(0x1FF0, whole[:2]), (0x1FF8, whole[2:])]
+            c, _ = pipeline.placed_cycles("cortex-a72", elsewhere, folder)
+            self.assertGreater(c[0], a[0])
+
     def test_a_cache_of_results_gives_the_same(self):
         with tempfile.TemporaryDirectory() as folder:
             blocks = [(ADD_X0_X0_1,), (FMUL_D0_D0_D0,)]
