@@ -362,15 +362,15 @@ size_t breaks(const std::vector<DoorItem>& items) {
 TEST(door, a_long_gap_breaks_the_stream) {
   Script s;
   s.imu_until(0, 100 * kMs);
-  s.imu_until(800 * kMs, 900 * kMs);
+  s.imu_until(1'300 * kMs, 1'400 * kMs);
   s.frame(100 * kMs);
   s.frame(400 * kMs);
-  s.frame(850 * kMs);
+  s.frame(1'350 * kMs);
   const std::vector<DoorItem> items = s.all();
   EXPECT_EQ(breaks(items), 1u);
   EXPECT_EQ(s.lost(DoorLoss::kStreamBroken), 1u);
   EXPECT_EQ(s.lost(DoorLoss::kFrameBeforeImu), 1u) << "no sample can be made for it";
-  EXPECT_EQ(frame_times(items), (std::vector<TimeNs>{100 * kMs, 850 * kMs}));
+  EXPECT_EQ(frame_times(items), (std::vector<TimeNs>{100 * kMs, 1'350 * kMs}));
 }
 
 TEST(door, one_stamp_from_the_future_is_dropped) {
@@ -401,6 +401,93 @@ TEST(door, a_clock_that_jumps_breaks_the_stream_and_goes_on) {
     EXPECT_GE(frames, jump < 0 ? 48u : 59u) << "back, it takes half a second to be believed";
     EXPECT_EQ(frame_times(items).back(), begin + 2'950 * kMs + jump);
   }
+}
+
+TEST(door, says_of_samples_on_a_line_how_long_it_is) {
+  Script s;
+  s.imu_until(0, 100 * kMs);
+  s.imu_until(300 * kMs, 400 * kMs);
+  s.frame(98 * kMs);
+  s.frame(200 * kMs);
+  s.frame(302 * kMs);
+  for (const DoorItem& item : s.all()) {
+    if (item.is_frame) continue;
+    const bool bridged = item.imu.t > 100 * kMs && item.imu.t <= 300 * kMs;
+    EXPECT_FLOAT_EQ(item.imu.gap_s, bridged ? 0.2f : 0.0f) << item.imu.t;
+  }
+  EXPECT_EQ(s.lost(DoorLoss::kImuGap), 1u);
+}
+
+TEST(door, stamps_beyond_any_time_are_dropped) {
+  for (const TimeNs stamp : {std::numeric_limits<TimeNs>::max(), kStampMax + 1,
+                             std::numeric_limits<TimeNs>::min(), -kStampMax - 1}) {
+    Script s;
+    s.imu_until(0, 100 * kMs);
+    s.samples[5].t = stamp;
+    s.frame(20 * kMs);
+    s.frame(stamp);
+    s.frame(60 * kMs);
+    EXPECT_EQ(frame_times(s.all()), (std::vector<TimeNs>{20 * kMs, 60 * kMs}));
+    EXPECT_EQ(s.lost(DoorLoss::kImuStampImpossible), 1u);
+    EXPECT_EQ(s.lost(DoorLoss::kFrameStampImpossible), 1u);
+    EXPECT_EQ(s.lost(), 2u);
+  }
+}
+
+// Frames every 50 ms for a second, from the tenth on `jump` later; likewise the IMU's samples.
+void run_with_jumps(Script& s, TimeNs cameras, TimeNs imu) {
+  const TimeNs begin = 10'000 * kMs;
+  s.imu_until(begin, begin + 500 * kMs);
+  s.imu_until(begin + 505 * kMs + imu, begin + 3'000 * kMs + imu);
+  for (TimeNs t = 0; t < 2'000 * kMs; t += 50 * kMs) {
+    s.frame(begin + t + (t > 500 * kMs ? cameras : 0));
+  }
+}
+
+TEST(door, a_step_of_one_sensors_stamps_is_doubted_until_somebody_knows) {
+  struct Case {
+    TimeNs cameras, imu, shift;
+  };
+  for (const Case& c : {Case{400, 0, -400}, Case{-400, 0, 400}, Case{0, 400, 400},
+                        Case{0, -400, -400}, Case{0, -700, -700}}) {
+    Script s;
+    run_with_jumps(s, c.cameras * kMs, c.imu * kMs);
+    (void)s.all();
+    EXPECT_EQ(s.door.doubt().shift, c.shift * kMs) << c.cameras << ' ' << c.imu;
+    EXPECT_EQ(s.door.doubt().is_imus, c.imu != 0);
+    EXPECT_EQ(s.lost(DoorLoss::kCameraGap), c.cameras > 0 ? 1u : 0u);
+    s.door.clocks_are_right();
+    EXPECT_EQ(s.door.doubt().shift, 0);
+  }
+}
+
+TEST(door, both_clocks_set_together_or_a_few_frames_lost_leave_no_doubt) {
+  for (const TimeNs jump : {0, 100, 400, -400, 5'000, -5'000}) {
+    Script s;
+    run_with_jumps(s, jump * kMs, jump * kMs);
+    s.frames.erase(s.frames.begin() + 5, s.frames.begin() + 7);
+    (void)s.all();
+    EXPECT_EQ(s.door.doubt().shift, 0) << jump;
+  }
+}
+
+TEST(door, a_clock_that_was_set_is_taken_into_account_from_then_on) {
+  Script s;
+  run_with_jumps(s, 400 * kMs, 0);
+  std::vector<TimeNs> frames;
+  DoorItem item;
+  while (s.door.next(item) == Status::kOk) {
+    if (!item.is_frame) continue;
+    frames.push_back(item.frame.t);
+    if (frames.size() == 15) s.door.clock_was_set();  // 4 frames after the step
+    s.door.release();
+  }
+  EXPECT_EQ(s.lost(DoorLoss::kCameraClockSet), 1u);
+  EXPECT_EQ(s.door.doubt().shift, 0);
+  EXPECT_EQ(frames[14], 11'100 * kMs) << "as stamped";
+  EXPECT_EQ(frames[15], 11'100 * kMs) << "the first one that is not too late for the samples";
+  EXPECT_EQ(frames.back(), 11'950 * kMs);
+  EXPECT_EQ(s.lost(DoorLoss::kFrameBeforeImu), 7u);
 }
 
 // Live: the cameras' cable is out, the pose must go on.

@@ -48,6 +48,22 @@ TEST(health, few_matches_degrade_at_once_and_recovery_takes_more_for_longer) {
   EXPECT_EQ(c.health.state(), HealthState::kTracking);
 }
 
+// Images and IMU may not belong together: nothing that fits earns trust, but rest is rest.
+TEST(health, stamps_in_doubt_keep_the_confidence_low) {
+  HealthCase c;
+  c.health.started(0);
+  c.update(1, 100);
+  EXPECT_GT(c.confidence(), 0.9f);
+  c.health.doubt_stamps(true);
+  c.update(1.05, 100);
+  EXPECT_LE(c.confidence(), 0.25f);
+  c.update(1.10, 100, 0.01, true);
+  EXPECT_GT(c.confidence(), 0.85f);
+  c.health.doubt_stamps(false);
+  c.update(1.15, 100);
+  EXPECT_GT(c.confidence(), 0.9f);
+}
+
 // Lost takes both: long without matches, and uncertain. A device at rest in the dark is not lost.
 TEST(health, lost_only_when_long_degraded_and_uncertain) {
   HealthCase c;

@@ -206,6 +206,40 @@ TEST(filter, covariance_grows_stays_symmetric_and_positive) {
   EXPECT_GT(c.filter.cov().trace(), before);
 }
 
+// A gap of the IMU that a line bridges, at many places of a motion, in steps of a camera's frames.
+TEST(filter, covariance_contains_the_error_of_a_bridged_gap) {
+  const Sway sway;
+  for (const double gap_s : {0.1, 0.2, 0.4, 0.7, 1.0}) {
+    double worst = 0, mean = 0;
+    constexpr int kPlaces = 60;
+    for (int k = 0; k < kPlaces; ++k) {
+      const double begin_s = 0.11 * k;
+      FilterCase c;
+      c.filter.reset(sway.state(begin_s), Mat15::Identity() * 1e-12);
+      const ImuSample first = sway.imu(begin_s), last = sway.imu(begin_s + gap_s);
+      c.filter.propagate(first);
+      const int steps = std::max(1, static_cast<int>(gap_s / 0.05));
+      for (int i = 1; i <= steps; ++i) {
+        ImuSample sample = last;
+        const double share = double(i) / steps;
+        sample.t = first.t + from_seconds(share * gap_s);
+        sample.w_B = first.w_B + share * (last.w_B - first.w_B);
+        sample.f_B = first.f_B + share * (last.f_B - first.f_B);
+        sample.gap_s = float(gap_s);
+        c.filter.propagate(sample);
+      }
+      const Vec15 error = boxminus(c.filter.state(), sway.state(begin_s + gap_s));
+      const Mat9 P = c.filter.cov().topLeftCorner<9, 9>();
+      const double nees = error.head<9>().dot(P.ldlt().solve(error.head<9>()));
+      worst = std::max(worst, nees);
+      mean += nees / kPlaces;
+    }
+    EXPECT_LT(worst, 21.7) << gap_s << ": chi2 with 9 degrees of freedom, 99 %";
+    EXPECT_GT(mean, 1e-3) << gap_s << ": but not so wide that it says nothing";
+    std::printf("gap %.1f s: NEES mean %.3f worst %.3f\n", gap_s, mean, worst);
+  }
+}
+
 TEST(filter, nothing_changes_without_correspondences) {
   FilterCase c;
   const Sway sway;

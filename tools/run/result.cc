@@ -10,7 +10,7 @@ namespace pirvs::tools {
 namespace {
 
 constexpr double kDelta_s = 1.0;
-constexpr TimeNs kEndMargin = 1'000'000'000;  // the last frames may lack IMU samples
+constexpr double kEndMargin_s = 1.0;  // the last frames may lack IMU samples
 
 // Nearest rank: a value that did occur.
 double percentile(const std::vector<double>& sorted, double p) {
@@ -65,6 +65,15 @@ void count_trust(const RunLog& log, RunResult& result) {
   result.confidence_min = *std::min_element(confidence.begin(), confidence.end());
 }
 
+// How much of the end came after the IMU's. Stamps would not tell: a clock may have been set.
+double end_without_imu_s(const Recording& recording, const RunLog& log) {
+  size_t frames = 0;
+  for (const Count& count : log.counters) {
+    if (count.name == name(DoorLoss::kFrameWithoutImu)) frames = count.value;
+  }
+  return double(frames) * recording.duration_s() / double(recording.frames.size());
+}
+
 }  // namespace
 
 Statistics statistics(std::vector<double> values) {
@@ -110,8 +119,7 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
   }
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
   if (log.frames.empty()) return result;
-  const TimeNs end = recording.frames.back().t + recording.calibration.camera_time_offset;
-  const bool whole = log.frames.back().t >= end - kEndMargin;
+  const bool whole = end_without_imu_s(recording, log) <= kEndMargin_s;
   result.done = status == Status::kOk && whole && !lost(log.frames.back());
   return result;
 }
