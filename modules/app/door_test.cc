@@ -362,15 +362,15 @@ size_t breaks(const std::vector<DoorItem>& items) {
 TEST(door, a_long_gap_breaks_the_stream) {
   Script s;
   s.imu_until(0, 100 * kMs);
-  s.imu_until(1'300 * kMs, 1'400 * kMs);
+  s.imu_until(1'300 * kMs, 1'600 * kMs);
   s.frame(100 * kMs);
   s.frame(400 * kMs);
-  s.frame(1'350 * kMs);
+  s.frame(1'550 * kMs);
   const std::vector<DoorItem> items = s.all();
   EXPECT_EQ(breaks(items), 1u);
   EXPECT_EQ(s.lost(DoorLoss::kStreamBroken), 1u);
   EXPECT_EQ(s.lost(DoorLoss::kFrameBeforeImu), 1u) << "no sample can be made for it";
-  EXPECT_EQ(frame_times(items), (std::vector<TimeNs>{100 * kMs, 1'350 * kMs}));
+  EXPECT_EQ(frame_times(items), (std::vector<TimeNs>{100 * kMs, 1'550 * kMs}));
 }
 
 TEST(door, one_stamp_from_the_future_is_dropped) {

@@ -65,13 +65,21 @@ void count_trust(const RunLog& log, RunResult& result) {
   result.confidence_min = *std::min_element(confidence.begin(), confidence.end());
 }
 
-// How much of the end came after the IMU's. Stamps would not tell: a clock may have been set.
-double end_without_imu_s(const Recording& recording, const RunLog& log) {
-  size_t frames = 0;
+size_t counter(const RunLog& log, DoorLoss loss) {
   for (const Count& count : log.counters) {
-    if (count.name == name(DoorLoss::kFrameWithoutImu)) frames = count.value;
+    if (count.name == name(loss)) return count.value;
   }
-  return double(frames) * recording.duration_s() / double(recording.frames.size());
+  return 0;
+}
+
+// Poses until the recording's end. Where the IMU's clock was set, stamps cannot tell; the frames
+// that came after its end can.
+bool is_whole(const Recording& recording, const RunLog& log) {
+  const TimeNs end = recording.frames.back().t + recording.calibration.camera_time_offset;
+  if (log.frames.back().t >= end - from_seconds(kEndMargin_s)) return true;
+  const double late = double(counter(log, DoorLoss::kFrameWithoutImu));
+  const bool set = counter(log, DoorLoss::kImuClockBack) + counter(log, DoorLoss::kImuClockSet) > 0;
+  return set && late * recording.duration_s() <= kEndMargin_s * double(recording.frames.size());
 }
 
 }  // namespace
@@ -119,8 +127,7 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
   }
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
   if (log.frames.empty()) return result;
-  const bool whole = end_without_imu_s(recording, log) <= kEndMargin_s;
-  result.done = status == Status::kOk && whole && !lost(log.frames.back());
+  result.done = status == Status::kOk && is_whole(recording, log) && !lost(log.frames.back());
   return result;
 }
 
