@@ -6,8 +6,6 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "tools/sim/sim.h"
-
 namespace pirvs::systems {
 namespace {
 
@@ -26,15 +24,19 @@ tools::Recording make(SimulatedDevice device) {
   const bool fisheye = device == SimulatedDevice::kIronsides;
   tools::SimOptions options;
   options.device = fisheye ? "ironsides" : "euroc";
-  options.out = scratch_folder(options.device);
   options.duration_s = 6;
   options.rate_hz = fisheye ? 30 : 20;  // half of the fisheye's own: drawing takes the time
   options.blur = 2;
-  tools::simulate(options, [](size_t, size_t) {});
-  return tools::open_recording(options.out, {});
+  return made(options, options.device);
 }
 
 }  // namespace
+
+tools::Recording made(tools::SimOptions options, const std::string& name) {
+  options.out = scratch_folder(name);
+  tools::simulate(options, [](size_t, size_t) {});
+  return tools::open_recording(options.out, {});
+}
 
 std::string scratch_folder(const std::string& name) {
   static const Scratch scratch;

@@ -201,6 +201,7 @@ Step App::tracking_step() {
   report_.correspondences = result.correspondences;
   report_.accepted = result.accepted;
   report_.keyframe = result.keyframe;
+  report_.at_rest = result.at_rest;
   report_pending_ = true;
   tracking_ns_ = 0;
   const char* what = event_of(result);

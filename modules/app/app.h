@@ -38,6 +38,7 @@ struct FrameReport {
   int tracks[kCamerasMax] = {0, 0};
   int correspondences = 0, accepted = 0;
   bool keyframe = false;
+  bool at_rest = false;
 };
 
 struct AppSinks {

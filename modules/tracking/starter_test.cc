@@ -200,13 +200,13 @@ TEST(starter, rest_counts_from_where_it_began) {
   s.sway.amplitude_m.setZero();
   s.sway.omega_angle_rad_s.setZero();
   int k = 0;
-  for (; k < 8; ++k) EXPECT_EQ(s.frame(k), Status::kEmpty) << k;
+  for (; k < 3; ++k) EXPECT_EQ(s.frame(k), Status::kEmpty) << k;
   s.image_motion_px = 0.05;
   Status status = Status::kEmpty;
   while (status == Status::kEmpty && k < 60) status = s.frame(k++);
   EXPECT_EQ(status, Status::kOk);
   EXPECT_TRUE(s.starter->at_rest());
-  EXPECT_GE(s.starter->state().t, from_seconds(7 * kFrame_s + s.params.start_s));
+  EXPECT_GE(s.starter->state().t, from_seconds(2 * kFrame_s + s.params.start_s));
 }
 
 TEST(starter, too_few_points_are_stale) {

@@ -297,6 +297,7 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present, Frontend* frontends) {
   const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
   const uint8_t seen = seeing(present, frontends);
   judge_standstill(present, dt_s, frontends);
+  result.at_rest = standstill_.at_rest();
   if (seen == kBoth || last_pair_t_ == 0) last_pair_t_ = t;
   last_frame_t_ = t;
   const bool ran = running_;

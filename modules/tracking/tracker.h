@@ -46,7 +46,7 @@ struct TrackingCounters {
 struct FrameResult {
   bool has_pose = false;
   bool started = false, started_at_rest = false, health_changed = false, keyframe = false;
-  bool recognised = false, joined = false, closed = false;
+  bool recognised = false, joined = false, closed = false, at_rest = false;
   int correspondences = 0, accepted = 0;
 };
 

@@ -116,6 +116,84 @@ TEST(sim, starts_at_rest) {
   EXPECT_GT(path.at(4.5).v_WB.norm(), 0.3);
 }
 
+TEST(sim, a_steady_path_rests_and_then_keeps_its_velocity_and_turn) {
+  const Device& device = *find_device("euroc");
+  SteadyMotion motion;
+  motion.rest_s = 1;
+  motion.ramp_s = 1.5;
+  motion.v_L = Vec3(0.2, -0.1, 0);
+  motion.turn_rad_s = 0.03;
+  const Path path = Path::steady(motion, 6, device.R_LB);
+  for (const double t_s : {0.0, 0.5, 1.0}) {
+    EXPECT_LT(path.at(t_s).v_WB.norm(), 1e-6);
+    EXPECT_LT(path.at(t_s).w_B.norm(), 1e-6);
+  }
+  for (const double t_s : {3.2, 4.0, 5.9}) {
+    const PathState state = path.at(t_s);
+    EXPECT_LT((state.v_WB - motion.v_L).norm(), 1e-6) << "the look frame is W's at the start";
+    EXPECT_LT((state.R_WB * state.w_B - Vec3(0, 0, motion.turn_rad_s)).norm(), 1e-6);
+    EXPECT_LT(state.a_WB.norm(), 1e-6);
+  }
+  EXPECT_NEAR(path.at(1.9).v_WB.norm(), 0.5 * motion.v_L.norm(), 0.3 * motion.v_L.norm());
+  motion.rest_s = 0;
+  EXPECT_LT((Path::steady(motion, 6, device.R_LB).at(0).v_WB - motion.v_L).norm(), 1e-6);
+}
+
+// The share of pixels that differ between two instants, seen from one place.
+double changed_share(const SimOptions& options, int frame_a, int frame_b) {
+  Recording recording = open_recording(options.out, {});
+  const auto file = [&](int frame) {
+    std::ifstream in(recording.frames[size_t(frame)].image[0], std::ios::binary);
+    std::ostringstream bytes;
+    bytes << in.rdbuf();
+    return bytes.str();
+  };
+  const std::string a = file(frame_a);
+  const std::string b = file(frame_b);
+  EXPECT_EQ(a.size(), b.size());
+  size_t changed = 0;
+  for (size_t i = 0; i < a.size(); ++i) changed += a[i] != b[i] ? 1 : 0;
+  return double(changed) / double(a.size());
+}
+
+TEST(sim, a_mover_sways_before_a_device_at_rest) {
+  const Folder folder("mover");
+  SimOptions options = short_run(folder.path());
+  options.path = "rest";
+  options.format = "pgm";
+  options.duration_s = 2.9;
+  options.rate_hz = 2;
+  options.image_noise = 0;
+  options.mover = 0.4;
+  options.mover_from_s = 1.1;
+  simulate(options, [](size_t, size_t) {});  // frames at 0.1, 0.6, 1.1, 1.6, 2.1, 2.6 s
+  EXPECT_EQ(changed_share(options, 0, 2), 0) << "nothing moves before it comes in";
+  const double at_once = changed_share(options, 2, 5);
+  EXPECT_GT(at_once, 0.25);
+  EXPECT_LT(at_once, 0.6);
+}
+
+// From one place only what moved is drawn anew: it must be what drawing all of it gives.
+TEST(sim, drawing_on_gives_what_drawing_anew_gives) {
+  const Device& device = *find_device("euroc");
+  const Path path = Path::flight(4, 9, 8, device.R_LB);
+  Pillar pillar;
+  pillar.width_m = 0.8;
+  pillar.sway_m = 0.6;
+  const Vec3 ahead_W = path.at(0).R_WB * (device.calibration.camera[0].T_BC.R * Vec3::UnitZ());
+  pillar.p_W = path.at(0).p_WB + 1.5 * ahead_W;
+  const Scene scene(path, 4, 12, 4, pillar);
+  Renderer on(device.calibration.camera[0], scene, path);
+  std::vector<uint8_t> drawn_on, anew;
+  Exposure exposure;
+  for (const double t_s : {1.0, 1.05, 1.6}) {
+    exposure.t_s = t_s;
+    on.render(exposure, drawn_on);
+  }
+  Renderer(device.calibration.camera[0], scene, path).render(exposure, anew);
+  EXPECT_TRUE(drawn_on == anew);
+}
+
 TEST(sim, path_derivatives_match_numeric) {
   const Path path = Path::flight(3, 0.5, 10, find_device("euroc")->R_LB);
   constexpr double kStep_s = 1e-4;
