@@ -36,9 +36,10 @@ struct Track {
   uint16_t age = 0;              // images since it was detected
   uint8_t misses = 0;            // consecutive images in which its landmark was gated out
   bool described = false;
-  // Kept by standstill detection: its place, how long it has been there (-1: not yet begun), and
-  // how often it left a place since it last stood.
+  // Kept by standstill detection: its place, how long it has been there (-1: not yet begun), where
+  // that was when it began to stand, and how often it left a place since it last stood.
   float x_still = 0, y_still = 0, still_s = -1;
+  float x_stood = 0, y_stood = 0;
   uint8_t moves = 0;
   Descriptor descriptor{};
 };

@@ -13,6 +13,7 @@ constexpr int kCellsMin = 8;           // fewer that vote: nothing is seen
 constexpr double kShareToRest = 0.35;  // of the cells, more than this stand
 constexpr double kShareToLeave = 0.2;  // what moves before the camera may grow meanwhile
 constexpr double kLeft_s = 0.3;        // so long it counts that a track left its place
+constexpr double kSlide_px = 0.5;      // of a track at rest
 constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
 constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
 
@@ -34,7 +35,7 @@ void follow(Track& track, double dt_s, double stay_px) {
   track.x_still = track.x;
   track.y_still = track.y;
   track.still_s = 0;
-  track.moves = static_cast<uint8_t>(std::min(track.moves + 1, 255));
+  track.moves = static_cast<uint8_t>(std::min(track.moves + 1, 254));
 }
 
 }  // namespace
@@ -47,6 +48,7 @@ void StandstillDetector::reset() {
   f_sum_.setZero();
   w_sigma_ = f_sigma_ = 1e9;
   still_share_ = patience_s_ = rest_s_ = 0;
+  pushed_ = false;
 }
 
 void StandstillDetector::add_imu(const ImuSample& sample) {
@@ -59,6 +61,19 @@ void StandstillDetector::add_imu(const ImuSample& sample) {
   ++sum_count_;
 }
 
+// What a track that stands has left behind.
+void StandstillDetector::settle(Track& track, bool stood) const {
+  const float dx = track.x - track.x_stood, dy = track.y - track.y_stood;
+  if (stood && !(at_rest() && dx * dx + dy * dy > kSlide_px * kSlide_px)) return;
+  if (at_rest() && (stood || track.moves > 0)) {
+    track.moves = kSlid;
+    return;
+  }
+  track.x_stood = track.x_still;
+  track.y_stood = track.y_still;
+  track.moves = 0;
+}
+
 // A track votes once it has moved or has stood for long enough, a cell by the majority of its
 // tracks: what attracts many tracks has no more votes than its share of the image.
 void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, double dt_s) {
@@ -69,7 +84,7 @@ void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, doubl
     const bool stood = stands(track);
     follow(track, dt_s, params_.standstill_image_px);
     if (stands(track)) {
-      track.moves = 0;
+      settle(track, stood);
       ++standing_;
     } else if (track.moves == 0) {
       continue;
@@ -137,6 +152,8 @@ void StandstillDetector::judge(double dt_s, const Expected& expected) {
   left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
   standing_ = 0;
   if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {
+    if (was_at_rest && image_still) pushed_ = true;
+    if (!image_still) pushed_ = false;
     rest_s_ = patience_s_ = 0;
     return;
   }
@@ -148,8 +165,10 @@ void StandstillDetector::judge(double dt_s, const Expected& expected) {
     return;
   }
   patience_s_ += dt_s;
-  if (!as_expected(expected) && patience_s_ < params_.standstill_patience_s) return;
+  const bool doubtful = !as_expected(expected) || (pushed_ && !stays());
+  if (doubtful && patience_s_ < params_.standstill_patience_s) return;
   rest_s_ = params_.standstill_image_s;
+  pushed_ = false;
   w_rest_ = w_mean_;
   f_rest_ = f_mean_;
 }

@@ -39,6 +39,9 @@ class StandstillDetector {
   bool stands(const Track& track) const { return track.still_s >= params_.standstill_image_s; }
   // The track goes on and on.
   bool moves(const Track& track) const { return track.moves >= 2; }
+  // At rest: the track stands, but no longer where it did: it slid along an edge, or was taken along
+  // by what passed before it. Of the point that it followed it says nothing.
+  bool slid(const Track& track) const { return track.moves == kSlid; }
   // Over the window of samples, and over those since the image before.
   const Vec3& mean_rate_B() const { return w_mean_; }
   const Vec3& mean_force_B() const { return f_mean_; }
@@ -50,6 +53,8 @@ class StandstillDetector {
 
  private:
   static constexpr int kWindowMax = 256;
+  static constexpr uint8_t kSlid = UINT8_MAX;
+  void settle(Track& track, bool stood) const;
   void take_means();
   bool imu_quiet() const;
   bool as_expected(const Expected& expected) const;
@@ -70,6 +75,7 @@ class StandstillDetector {
   double still_share_ = 0;
   double patience_s_ = 0;  // how long all but what was expected has said rest
   double rest_s_ = 0;
+  bool pushed_ = false;  // the IMU alone ended rest: the image has not moved since
 };
 
 }  // namespace pirvs

@@ -216,6 +216,39 @@ TEST(standstill, what_the_pose_denies_is_believed_late) {
   EXPECT_NEAR(agreed.run_to_rest(100) * kFrame_s, agreed.params.standstill_image_s, 0.051);
 }
 
+// Something passes before a tracked point and takes the track along a little; another slides slowly.
+TEST(standstill, tracks_that_slid_at_rest_are_told) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  bool taken = false, slides = false;
+  for (int k = 0; k < 100; ++k) {
+    ASSERT_TRUE(c.frame([&](const Vec2& home, const Vec2&) {
+      if ((home - c.home[0]).norm() < 1) return Vec2(k == 20 ? 0.6 : 0.0, 0);
+      return Vec2((home - c.home[1]).norm() < 1 ? 0.01 : 0.0, 0);
+    }));
+    taken |= c.detector.slid(c.tracks[0]);
+    slides |= c.detector.slid(c.tracks[1]);
+    EXPECT_FALSE(k < 20 && (taken || slides)) << k;
+    for (size_t i = 2; i < c.tracks.size(); ++i) ASSERT_FALSE(c.detector.slid(c.tracks[i])) << i;
+  }
+  EXPECT_TRUE(taken);
+  EXPECT_TRUE(slides);
+}
+
+// The IMU says that it set off, the image that nothing moved: the vehicle is the world, but late.
+TEST(standstill, after_a_push_that_no_image_shows_rest_comes_late) {
+  Case c;
+  ASSERT_GT(c.run_to_rest(40), 0);
+  c.f_B.x() += 0.4;
+  EXPECT_NEAR(c.run_to_rest(200) * kFrame_s, c.params.standstill_patience_s, 0.3);
+  Case returned;
+  ASSERT_GT(returned.run_to_rest(40), 0);
+  returned.f_B.x() += 0.4;
+  returned.still();
+  returned.f_B.x() -= 0.4;
+  EXPECT_LT(returned.run_to_rest(200) * kFrame_s, 0.5) << "a knock";
+}
+
 TEST(standstill, without_images_there_is_no_rest) {
   Case c;
   ASSERT_GT(c.run_to_rest(40), 0);

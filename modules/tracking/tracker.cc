@@ -258,10 +258,17 @@ void Tracker::judge_standstill(uint8_t present, double dt_s, Frontend* frontends
   if (!standstill_.at_rest()) return;
   // Without a descriptor a track becomes no point, and is matched with none.
   for (int c = 0; c < cameras_; ++c) {
-    for (Track& track : frontends[c].tracks()) {
-      if (!standstill_.moves(track)) continue;
-      track.landmark = LandmarkId{};
-      track.described = false;
+    Tracks& tracks = frontends[c].tracks();
+    for (size_t i = 0; i < tracks.size();) {
+      if (standstill_.slid(tracks[i])) {
+        tracks.erase_unordered(i);
+        continue;
+      }
+      if (standstill_.moves(tracks[i])) {
+        tracks[i].landmark = LandmarkId{};
+        tracks[i].described = false;
+      }
+      ++i;
     }
   }
 }

@@ -16,9 +16,9 @@ struct FilterParams {
   float standstill_sigma_m_s = 0.005f;
   float standstill_sigma_rad_s = 0.002f;
   float standstill_sigma_m_s2 = 0.05f;
-  float standstill_shift_m = 0.001f;
-  float standstill_turn_rad = 2e-4f;
-  float standstill_px_scale = 4.0f;
+  float standstill_shift_m = 0.0005f;
+  float standstill_turn_rad = 1e-4f;
+  float standstill_px_scale = 8.0f;
 };
 
 inline constexpr ParamRow<FilterParams> kFilterRows[] = {
