@@ -209,7 +209,8 @@ TEST(fault, the_clock_is_set) {
 }
 
 // When the clock of one sensor is set against the other's, stamps look as if items had been lost:
-// until it is told apart nobody must act on the pose, then the right images go to the right samples.
+// until it is told apart nobody must act on the pose, then the right images go to the right
+// samples.
 TEST(fault, the_clock_of_one_sensor_is_set) {
   tools::SimOptions options;
   options.duration_s = 8;  // to tell may take until the body has turned enough, a start comes then

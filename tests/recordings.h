@@ -2,7 +2,8 @@
 // In      PIRVS_DATA: the folder of real recordings (default ../shared/data).
 // Out     clip(): 30 s of EuRoC MH_01, from a moving start to a standstill; nullptr and a printed
 //         reason when it is not there. simulated(): about 6 s of one device, made on first use,
-//         deleted at the end. made(): any other, deleted when the process ends. scratch_folder(): empty, deleted at the end.
+//         deleted at the end. made(): any other, deleted when the process ends. scratch_folder():
+//         empty, deleted at the end.
 // Errors  an exception of tools, which fails the test, when the disk refuses.
 // Cost    a simulated recording: ~6 s of two cores, 50 to 100 MB of disk.
 // Source  DESIGN, "Frames, units, names": the two devices.

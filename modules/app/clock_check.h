@@ -1,7 +1,8 @@
-// Was one sensor's clock set against the other's? Stamps alone cannot tell that from items that were
-// lost on the way; how the image turns, against how the gyro says the body turns, can.
-// In      The IMU's samples; each frame's tracks after they were followed to it; the shift in doubt:
-//         if the clock was set, a frame stamped t was taken when the IMU's clock showed t + shift.
+// Was one sensor's clock set against the other's? Stamps alone cannot tell that from items that
+// were lost on the way; how the image turns, against how the gyro says the body turns, can.
+// In      The IMU's samples; each frame's tracks after they were followed to it; the shift in
+//         doubt: if the clock was set, a frame stamped t was taken when the IMU's clock showed t +
+//         shift.
 // Out     kHold: the stamps are right. kSet: the clock was set. kOpen: not known yet; a body that
 //         does not turn says nothing.
 // Frames  B, C. Units: ns, rad/s.

@@ -39,8 +39,8 @@ class StandstillDetector {
   bool stands(const Track& track) const { return track.still_s >= params_.standstill_image_s; }
   // The track goes on and on.
   bool moves(const Track& track) const { return track.moves >= 2; }
-  // At rest: the track stands, but no longer where it did: it slid along an edge, or was taken along
-  // by what passed before it. Of the point that it followed it says nothing.
+  // At rest: the track stands, but no longer where it did: it slid along an edge, or was taken
+  // along by what passed before it. Of the point that it followed it says nothing.
   bool slid(const Track& track) const { return track.moves == kSlid; }
   // Over the window of samples, and over those since the image before.
   const Vec3& mean_rate_B() const { return w_mean_; }

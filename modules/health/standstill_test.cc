@@ -216,7 +216,8 @@ TEST(standstill, what_the_pose_denies_is_believed_late) {
   EXPECT_NEAR(agreed.run_to_rest(100) * kFrame_s, agreed.params.standstill_image_s, 0.051);
 }
 
-// Something passes before a tracked point and takes the track along a little; another slides slowly.
+// Something passes before a tracked point and takes the track along a little; another slides
+// slowly.
 TEST(standstill, tracks_that_slid_at_rest_are_told) {
   Case c;
   ASSERT_GT(c.run_to_rest(40), 0);

@@ -1,7 +1,8 @@
 // Noise densities of an IMU, as a data sheet or an Allan plot gives them (continuous time).
 // Units   gyro_noise rad/s/sqrt(Hz), gyro_walk rad/s^2/sqrt(Hz), accel_noise m/s^2/sqrt(Hz),
 //         accel_walk m/s^3/sqrt(Hz), rate_hz nominal samples per second.
-//         bridge_rad_s, bridge_m_s2: how far the line over a long gap is from what was not measured.
+//         bridge_rad_s, bridge_m_s2: how far the line over a long gap is from what was not
+//         measured.
 // Source  the model of Kalibr's imu.yaml and EuRoC's sensor.yaml.
 #pragma once
 
@@ -20,9 +21,9 @@ struct ImuNoise {
 };
 
 // The noise of an interval within a gap that a straight line bridges (ImuSample::gap_s). The line's
-// error grows with the gap's square, as that of any linear interpolation, until nothing is known but
-// how hard the body moves; it is of one piece over the gap, so that its density is that times the
-// root of the gap.
+// error grows with the gap's square, as that of any linear interpolation, until nothing is known
+// but how hard the body moves; it is of one piece over the gap, so that its density is that times
+// the root of the gap.
 inline ImuNoise bridged(const ImuNoise& noise, double gap_s) {
   constexpr double kUnknown_s = 0.25;  // a hand's or a rotor craft's motion has turned by then
   if (gap_s <= 0.0) return noise;

@@ -112,7 +112,8 @@ struct KeyframeMessage {
   uint16_t joining = 0;
   SE3 T_join;  // a turn about the vertical and a shift
   // An old place was recognised: keyframes after `closes_to` are off, this one by a turn about the
-  // vertical and a shift, of covariance off_cov (loop_closure.h). Some observations name old points.
+  // vertical and a shift, of covariance off_cov (loop_closure.h). Some observations name old
+  // points.
   bool close = false;
   uint32_t closes_to = 0;
   Vec4 off = Vec4::Zero();

@@ -373,8 +373,8 @@ void Mapper::choose_fixed(size_t window_begin) {
   }
 }
 
-// The error that the fixed keyframes share: of many, the mean, since theirs are much the same. Without
-// any, the prior's anchor holds, which was set at the keyframe before the window.
+// The error that the fixed keyframes share: of many, the mean, since theirs are much the same.
+// Without any, the prior's anchor holds, which was set at the keyframe before the window.
 void Mapper::hold_error(size_t window_begin) {
   const Vec3& at = keyframe(window_begin).state.T_WB.p;
   if (window_begin == run_begin()) {
@@ -482,8 +482,8 @@ void Mapper::write_back() {
   }
 }
 
-// What holds the adjustment is off itself: so is all that it holds, and more so the less firmly. The
-// points near the newest keyframe are as far off as it is, whatever tracking makes of them.
+// What holds the adjustment is off itself: so is all that it holds, and more so the less firmly.
+// The points near the newest keyframe are as far off as it is, whatever tracking makes of them.
 void Mapper::spread_error() {
   Keyframe& oldest = keyframe(members_[static_cast<size_t>(window_first_)].order);
   const Keyframe& newest = keyframe(order_.size() - 1);

@@ -14,8 +14,8 @@
 
 namespace pirvs {
 
-// Which points: of the snapshot's epoch; of another; of its epoch, where they should be in view, but
-// seen last by a keyframe loop_keyframes_min ago or earlier.
+// Which points: of the snapshot's epoch; of another; of its epoch, where they should be in view,
+// but seen last by a keyframe loop_keyframes_min ago or earlier.
 enum class PlaceRule : uint8_t { kSame, kOther, kOld };
 
 struct Recognition {

@@ -1,6 +1,6 @@
 // What    A smooth path through the world: pose, velocity, acceleration and turn rate at any time.
-// In      A seed (a flight through a hall of about 12 x 9 m, at rest first); a constant velocity and
-//         turn rate, at rest first; or a recorded trajectory, which is followed closely, not
+// In      A seed (a flight through a hall of about 12 x 9 m, at rest first); a constant velocity
+//         and turn rate, at rest first; or a recorded trajectory, which is followed closely, not
 //         exactly: the spline is the truth.
 // Out     State at t_s in [0, duration_s]. The position and the quaternion (before it is
 //         normalized) are uniform B-splines of degree 5: four times continuously differentiable.
