@@ -22,8 +22,9 @@ struct Case {
     detector.reset();
     for (int i = 0; i < 48 * 4; ++i) {
       Track track;
-      track.x = 20.0f + 94.0f * static_cast<float>(i % 8) + 30.0f * static_cast<float>(i / 48 % 2);
-      track.y = 20.0f + 80.0f * static_cast<float>(i / 8 % 6) + 30.0f * static_cast<float>(i / 96);
+      const int column = i % 8, row = i / 8 % 6, right = i / 48 % 2, below = i / 96;
+      track.x = 20.0f + static_cast<float>(94 * column + 30 * right);
+      track.y = 20.0f + static_cast<float>(80 * row + 30 * below);
       (void)tracks.push_back(track);
       (void)place.push_back(Vec2(track.x, track.y));
       (void)home.push_back(place.back());
