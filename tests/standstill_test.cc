@@ -126,21 +126,21 @@ TEST(standstill_replay, a_steady_flight_is_no_rest) {
   }
 }
 
-// 3 cm/s, reached over 2 s: 4 mm/s after 0.4 s.
-TEST(standstill_replay, a_slow_smooth_start_ends_rest_soon) {
-  const Replay run = replay(made(steady(8, 0, 0.03, 0, 2.5), "creeps"));
-  print("slow start", run);
+// At rest until 2.5 s, then slowly off.
+void expect_rest_ends(const char* what, const Replay& run) {
+  print(what, run);
   EXPECT_GT(share_at_rest(run, 1, 2.4), 0.98);
   EXPECT_LT(share_at_rest(run, 3.7, 1e9), 0.05);
   EXPECT_LE(run.result.evaluation.ate_rmse_m, 0.01);
 }
 
+// 3 cm/s, reached over 2 s: 4 mm/s after 0.4 s.
+TEST(standstill_replay, a_slow_smooth_start_ends_rest_soon) {
+  expect_rest_ends("slow start", replay(made(steady(8, 0, 0.03, 0, 2.5), "creeps")));
+}
+
 TEST(standstill_replay, a_slow_turn_ends_rest_soon) {
-  const Replay run = replay(made(steady(8, 0, 0, 0.5, 2.5), "turns"));
-  print("slow turn", run);
-  EXPECT_GT(share_at_rest(run, 1, 2.4), 0.98);
-  EXPECT_LT(share_at_rest(run, 3.7, 1e9), 0.05);
-  EXPECT_LE(run.result.evaluation.ate_rmse_m, 0.01);
+  expect_rest_ends("slow turn", replay(made(steady(8, 0, 0, 0.5, 2.5), "turns")));
 }
 
 // The images of rest with the forces of a vehicle: shaken all the time, or setting off at 3 s with

@@ -23,6 +23,7 @@ using Vec9 = Eigen::Matrix<double, 9, 1>;
 using Vec15 = Eigen::Matrix<double, 15, 1>;
 using Mat2 = Eigen::Matrix<double, 2, 2>;
 using Mat3 = Eigen::Matrix<double, 3, 3>;
+using Mat4 = Eigen::Matrix<double, 4, 4>;
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 using Mat9 = Eigen::Matrix<double, 9, 9>;
 using Mat15 = Eigen::Matrix<double, 15, 15>;

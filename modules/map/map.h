@@ -117,8 +117,28 @@ struct KeyframeMessage {
   bool close = false;
   uint32_t closes_to = 0;
   Vec4 off = Vec4::Zero();
-  Eigen::Matrix<double, 4, 4> off_cov = Eigen::Matrix<double, 4, 4>::Identity();
+  Mat4 off_cov = Mat4::Identity();
   bool at_rest = false;  // the body stands still: its velocity is known to be zero
 };
+
+// ---- what a rigid motion T of W does ----------------------------------------------------------
+
+inline void move(const SE3& T, BodyState& state) {
+  state.T_WB = T * state.T_WB;
+  state.v_WB = T.R * state.v_WB;
+}
+
+inline void move(const SE3& T, Landmark& point) {
+  point.p_W = T * point.p_W;
+  point.cov = (T.R * point.cov * T.R.transpose()).eval();
+  point.view_W = T.R * point.view_W;
+}
+
+// To a state's error: place and velocity are told in W, the attitude's error in B.
+inline Mat15 turn_of_error(const SE3& T) {
+  Mat15 A = Mat15::Identity();
+  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
+  return A;
+}
 
 }  // namespace pirvs

@@ -25,10 +25,15 @@ inline Mat15x6 rigid_motion(const BodyState& state, const Vec3& at) {
   return G;
 }
 
-// The same error told about `to` instead of `from`: a turn reaches farther the farther away.
-inline Mat6 error_about(const Vec3& to, const Vec3& from, const Mat6& cov) {
+// The same motion told about `to` instead of `from`: a turn reaches farther the farther away.
+inline Mat6 motion_about(const Vec3& to, const Vec3& from) {
   Mat6 A = Mat6::Identity();
   A.block<3, 3>(3, 0) = -skew(to - from);
+  return A;
+}
+
+inline Mat6 error_about(const Vec3& to, const Vec3& from, const Mat6& cov) {
+  const Mat6 A = motion_about(to, from);
   return A * cov * A.transpose();
 }
 

@@ -121,7 +121,9 @@ bool Bundle::step() {
     case Phase::kEvaluate: {
       const size_t end = std::min(points_.size(), next_point_ + 2 * kPointsPerStep);
       for (; next_point_ < end; ++next_point_) cost_trial_ += evaluate_point(points_[next_point_]);
-      if (next_point_ == points_.size()) judge();
+      if (next_point_ < points_.size()) return false;
+      judge();
+      if (phase_ == Phase::kDone) finish();
       return phase_ == Phase::kDone;
     }
     case Phase::kDone:
@@ -327,7 +329,6 @@ void Bundle::judge() {
     lambda_ = std::max(1e-7, lambda_ * 0.1);
     next_point_ = 0;
     phase_ = last || converged ? Phase::kDone : Phase::kLinearize;
-    if (phase_ == Phase::kDone) finish();
     return;
   }
   for (Frame& frame : frames_) {
@@ -336,7 +337,6 @@ void Bundle::judge() {
   }
   lambda_ *= 30;
   phase_ = last ? Phase::kDone : Phase::kSolve;
-  if (phase_ == Phase::kDone) finish();
 }
 
 // What the IMU links and the prior say against a tilt of all free frames about an axis of W.

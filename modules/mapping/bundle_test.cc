@@ -383,14 +383,19 @@ TEST(bundle, fixed_frames_do_not_move) {
   EXPECT_GT(boxminus(bundle->state(3), problem.states[3]).norm(), 1e-3);
 }
 
+Problem held_exactly(uint32_t seed) {
+  Problem problem(seed, 3, 5, 80);
+  problem.params.fixed_weight = 1;  // the fixed frames are exact
+  problem.add_noise(0.6);
+  problem.perturb(0.3);
+  return problem;
+}
+
 TEST(bundle, covariance_of_the_newest_frame_is_positive_and_honest) {
   double normalized = 0;
   const int runs = 10;
   for (uint32_t seed = 1; seed <= runs; ++seed) {
-    Problem problem(seed, 3, 5, 80);
-    problem.params.fixed_weight = 1;  // these are exact
-    problem.add_noise(0.6);
-    problem.perturb(0.3);
+    const Problem problem = held_exactly(seed);
     const auto bundle = solve(problem);
     ASSERT_TRUE(bundle->solved());
     const Mat15& cov = bundle->newest_cov();
@@ -457,10 +462,7 @@ TEST(bundle, covariance_of_the_oldest_pose_is_honest) {
   double normalized = 0;
   const int runs = 10;
   for (uint32_t seed = 1; seed <= runs; ++seed) {
-    Problem problem(seed, 3, 5, 80);
-    problem.params.fixed_weight = 1;  // these are exact
-    problem.add_noise(0.6);
-    problem.perturb(0.3);
+    const Problem problem = held_exactly(seed);
     const auto bundle = solve(problem);
     ASSERT_TRUE(bundle->errors_known());
     const Mat6& cov = bundle->oldest_pose_cov();

@@ -17,8 +17,7 @@ void spread_loop(const LoopStep* steps, int count, const Vec4& off, const Mat4& 
   const Mat4 S = gauge_of(D) + R;
   const Mat4 S_inverse = S.inverse();
   for (int k = 0; k < count; ++k) {
-    Mat6 carried = Mat6::Identity();  // what k is off, told at the newest
-    carried.block<3, 3>(3, 0) = -skew(p_newest - steps[k].p_WB);
+    const Mat6 carried = motion_about(p_newest, steps[k].p_WB);
     const Eigen::Matrix<double, 6, 4> C = (out[k].left * carried.transpose()).rightCols<4>();
     const Eigen::Matrix<double, 6, 4> K = C * S_inverse;
     out[k].xi = K * off;

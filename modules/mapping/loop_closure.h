@@ -14,8 +14,6 @@
 
 namespace pirvs {
 
-using Mat4 = Eigen::Matrix<double, 4, 4>;
-
 struct LoopStep {
   Vec3 p_WB;
   Mat6 added;

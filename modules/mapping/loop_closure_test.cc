@@ -24,12 +24,6 @@ std::vector<LoopStep> walk(Random& random, int count) {
   return steps;
 }
 
-Mat6 carried(const Vec3& to, const Vec3& from) {
-  Mat6 A = Mat6::Identity();
-  A.block<3, 3>(3, 0) = -skew(to - from);
-  return A;
-}
-
 // All errors of the way as one Gaussian, conditioned on the newest's four.
 TEST(loop_closure, is_the_joint_gaussian_given_the_newest) {
   for (uint32_t seed = 1; seed <= 5; ++seed) {
@@ -41,9 +35,9 @@ TEST(loop_closure, is_the_joint_gaussian_given_the_newest) {
       for (int b = 0; b < n; ++b) {
         for (int k = 0; k <= std::min(a, b); ++k) {
           const Vec3& p = steps[size_t(k)].p_WB;
-          joint.block<6, 6>(6 * a, 6 * b) += carried(steps[size_t(a)].p_WB, p) *
+          joint.block<6, 6>(6 * a, 6 * b) += motion_about(steps[size_t(a)].p_WB, p) *
                                              steps[size_t(k)].added *
-                                             carried(steps[size_t(b)].p_WB, p).transpose();
+                                             motion_about(steps[size_t(b)].p_WB, p).transpose();
         }
       }
     }

@@ -60,8 +60,7 @@ void Mapper::join(const KeyframeMessage& message) {
   for (size_t i = 0; i < order_.size(); ++i) {
     Keyframe& moved = keyframe(i);
     if (moved.epoch != message.joining) continue;
-    moved.state.T_WB = T * moved.state.T_WB;
-    moved.state.v_WB = T.R * moved.state.v_WB;
+    move(T, moved.state);
     moved.epoch = message.epoch;
     moved.error = message.error;
   }
@@ -69,9 +68,7 @@ void Mapper::join(const KeyframeMessage& message) {
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     Landmark* moved = map_.landmarks.at(slot);
     if (moved == nullptr || moved->epoch != message.joining) continue;
-    moved->p_W = T * moved->p_W;
-    moved->cov = (T.R * moved->cov * T.R.transpose()).eval();
-    moved->view_W = T.R * moved->view_W;
+    move(T, *moved);
     moved->epoch = message.epoch;
   }
   if (prior_.sequence != 0) move(T, prior_);
@@ -98,25 +95,20 @@ void Mapper::close(const KeyframeMessage& message) {
     if (old != nullptr) {
       moved.error += error_about(moved.state.T_WB.p, old->state.T_WB.p, old->error);
     }
-    moved.state.T_WB = motions[i] * moved.state.T_WB;
-    moved.state.v_WB = motions[i].R * moved.state.v_WB;
+    move(motions[i], moved.state);
     if (moved.sequence == prior_.sequence) move(motions[i], prior_);
   }
   newest_error_ = keyframe(order_.size() - 1).error;
-  size_t at = begin;
-  uint32_t sequence_begin = keyframe(begin).sequence;
+  const uint32_t sequence_begin = keyframe(begin).sequence;
   const uint32_t newest = keyframe(order_.size() - 1).sequence;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     Landmark* point = map_.landmarks.at(slot);
     if (point == nullptr || point->last_keyframe < sequence_begin) continue;
     // Sequences have no holes but where a start was renewed: from the guess it is a step or none.
     const uint32_t seen = std::min(point->last_keyframe, newest);
-    at = std::min(begin + (seen - sequence_begin), order_.size() - 1);
+    size_t at = std::min(begin + (seen - sequence_begin), order_.size() - 1);
     while (at > begin && keyframe(at).sequence > seen) --at;
-    const SE3& T = motions[at - begin];
-    point->p_W = T * point->p_W;
-    point->cov = (T.R * point->cov * T.R.transpose()).eval();
-    point->view_W = T.R * point->view_W;
+    move(motions[at - begin], *point);
   }
 }
 

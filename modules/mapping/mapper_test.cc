@@ -55,8 +55,7 @@ struct Way {
     message = KeyframeMessage{};
     message.sequence = ++sent;
     message.state = sway.state(t_s);
-    message.state.T_WB = T_drift * message.state.T_WB;
-    message.state.v_WB = T_drift.R * message.state.v_WB;
+    move(T_drift, message.state);
     look(message);
     message.restart = sent == 1;
     message.linked = sent > 1;

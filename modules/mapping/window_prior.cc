@@ -79,11 +79,8 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
 }
 
 void move(const SE3& T, WindowPrior& prior) {
-  BodyState& mean = prior.mean;
-  mean.T_WB = T * mean.T_WB;
-  mean.v_WB = T.R * mean.v_WB;
-  Mat15 A = Mat15::Identity();  // place and velocity are told in W, the attitude's error in B
-  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
+  move(T, prior.mean);
+  const Mat15 A = turn_of_error(T);
   prior.information = (A * prior.information * A.transpose()).eval();
   prior.gradient = (A * prior.gradient).eval();
 }

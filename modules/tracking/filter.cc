@@ -163,6 +163,21 @@ int Filter::update(Correspondences& correspondences) {
   return accepted;
 }
 
+int Filter::locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& correspondences) {
+  BodyState state;
+  state.T_WB = T_WB;
+  int accepted = 0;
+  for (const double scale : {1.0, guess.tighter}) {
+    Vec15 sigma = Vec15::Ones();
+    sigma.head<3>().setConstant(guess.sigma_rad * scale);
+    sigma.segment<3>(3).setConstant(guess.sigma_m * scale);
+    reset(state, Mat15(sigma.cwiseAbs2().asDiagonal()));
+    accepted = update(correspondences);
+    state.T_WB = state_.T_WB;
+  }
+  return accepted;
+}
+
 template <int N>
 void Filter::fuse(const Linear<N>& m) {
   using MatN = Eigen::Matrix<double, N, N>;

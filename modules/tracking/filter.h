@@ -27,6 +27,12 @@ struct PoseInformation {
   Vec6 b = Vec6::Zero();
 };
 
+// How well a pose is known that is looked for: first so, then `tighter` times that, a gate that
+// rejects what does not fit.
+struct PoseGuess {
+  double sigma_rad, sigma_m, tighter;
+};
+
 class Filter {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& params);
@@ -36,6 +42,8 @@ class Filter {
   void propagate(const ImuSample& sample);
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
   int update(Correspondences& correspondences);
+  // From a pose alone: reset() and update(), loosely, then tightly. Returns how many were accepted.
+  int locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& correspondences);
   // As rest begins: 0 = v_WB + n and w_B = b_g + n.
   void update_standstill(const Vec3& w_mean_B);
   // As it goes on: the body is where it was, `state` with `cov`, whatever the IMU added since; that

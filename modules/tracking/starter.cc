@@ -136,8 +136,7 @@ const Starter::Point* Starter::find(int camera, TrackId track) const {
   return nullptr;
 }
 
-// Pose against the points of the attempt: the filter's own update with a loose prior, then again
-// with a tight one whose gate rejects what does not fit.
+// Pose against the points of the attempt.
 int Starter::locate(SE3& T_B0B, const Tracks& left, const Tracks& right) {
   correspondences_.clear();
   const Tracks* tracks[kCamerasMax] = {&left, &right};
@@ -150,17 +149,8 @@ int Starter::locate(SE3& T_B0B, const Tracks& left, const Tracks& right) {
       *added = {point->p_B0, point->cov, Vec2(track.x, track.y), 1.0, c, Gate::kAccepted};
     }
   }
-  int inliers = 0;
-  for (const double scale : {1.0, 0.1}) {
-    Vec15 sigma = Vec15::Constant(1.0);
-    sigma.head<3>().setConstant(0.03 * scale);
-    sigma.segment<3>(3).setConstant(0.15 * scale);
-    BodyState guess;
-    guess.T_WB = T_B0B;
-    locator_.reset(guess, Mat15(sigma.cwiseAbs2().asDiagonal()));
-    inliers = locator_.update(correspondences_);
-    T_B0B = locator_.state().T_WB;
-  }
+  const int inliers = locator_.locate(T_B0B, {0.03, 0.15, 0.1}, correspondences_);
+  T_B0B = locator_.state().T_WB;
   return inliers;
 }
 
@@ -292,13 +282,9 @@ void Starter::seal_keyframes() {
 }
 
 void Starter::move(const SE3& T) {
-  for (KeyframeMessage& message : keyframes_) {
-    message.state.T_WB = T * message.state.T_WB;
-    message.state.v_WB = T.R * message.state.v_WB;
-  }
+  for (KeyframeMessage& message : keyframes_) pirvs::move(T, message.state);
   state_ = keyframes_.back().state;
-  Mat15 A = Mat15::Identity();
-  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
+  const Mat15 A = turn_of_error(T);
   cov_ = (A * cov_ * A.transpose()).eval();
 }
 

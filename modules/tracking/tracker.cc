@@ -16,10 +16,10 @@ constexpr uint8_t kLeftAlone = 1, kRightAlone = 2, kBoth = 3;  // cameras, a bit
 constexpr size_t kTracksSeeing = 8;                            // fewer: the camera sees nothing
 constexpr float kDoubt_s = 0.2f;  // in doubt, a sample says no more than a line over such a gap
 constexpr double kRecognised_rad = 0.02, kRecognised_m = 0.05;  // sigma of a recognised pose
-// By how much an untracked device may turn from what the gyro says, and go.
 // A recognised place is not better known than this; a loop that is off by less is closed already.
 constexpr double kLocated_rad = 0.002, kLocated_m = 0.01;
 constexpr double kLoopChi2_max = 18.5;  // 4 dof, 99.9 %
+// By how much an untracked device may turn from what the gyro says, and go.
 constexpr double kUntracked_rad_s = 0.02, kUntracked_m_s = 1.0;
 
 Mat6 error_of_sigmas(double sigma_rad, double sigma_m) {
@@ -135,10 +135,8 @@ void Tracker::take_snapshot(Frontend* frontends) {
 // The old map's frame from now on, should the adjustment have failed to say so itself.
 void Tracker::carry_over() {
   BodyState state = filter_.state();
-  state.T_WB = T_join_ * state.T_WB;
-  state.v_WB = T_join_.R * state.v_WB;
-  Mat15 A = Mat15::Identity();
-  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T_join_.R;
+  move(T_join_, state);
+  const Mat15 A = turn_of_error(T_join_);
   filter_.reset(state, A * filter_.cov() * A.transpose());
   filter_.propagate(last_imu_);
   holding_ = false;
@@ -427,14 +425,18 @@ void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
   for (int c = 0; c < kCamerasMax; ++c) {
     for (Track& track : frontends[c].tracks()) track.landmark = LandmarkId{};
   }
-  for (const Recognition::Match& match : found.matches) {
-    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
-  }
+  adopt(found, frontends);
   collect(frontends);
   result.correspondences = static_cast<int>(correspondences_.size());
   result.accepted = filter_.update(correspondences_);
   result.recognised = true;
   light_since_ = 0;
+}
+
+void Tracker::adopt(const Recognition& found, Frontend* frontends) {
+  for (const Recognition::Match& match : found.matches) {
+    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
+  }
 }
 
 // A start that knew no place looks for the older map; mapping then carries over what it made since.
@@ -447,8 +449,7 @@ bool Tracker::try_join(TimeNs t, Frontend* frontends) {
   message->join = true;
   message->joining = epoch_;
   message->T_join = T_join_;
-  message->state.T_WB = T_join_ * message->state.T_WB;
-  message->state.v_WB = T_join_.R * message->state.v_WB;
+  move(T_join_, message->state);
   message->epoch = epoch_ = found.epoch;
   message->error = map_error_ + error_of_sigmas(kRecognised_rad, kRecognised_m);
   end_keyframe(*message);
@@ -457,8 +458,8 @@ bool Tracker::try_join(TimeNs t, Frontend* frontends) {
   return true;
 }
 
-// The pose from what was recognised, by the filter's own update: loosely, then with its gate tight.
-int Tracker::locate(const Recognition& found, const Frontend* frontends, SE3& T_WB, Mat6& error) {
+// The pose from what was recognised, left in locator_.
+int Tracker::locate(const Recognition& found, const Frontend* frontends) {
   correspondences_.clear();
   for (const Recognition::Match& match : found.matches) {
     const Track& track = frontends[match.camera].tracks()[match.track];
@@ -467,21 +468,7 @@ int Tracker::locate(const Recognition& found, const Frontend* frontends, SE3& T_
     (void)correspondences_.push_back({point->p_W, point->cov, Vec2(track.x, track.y),
                                       params_.filter.sigma_px, match.camera, Gate::kAccepted});
   }
-  BodyState state = filter_.state();
-  state.T_WB = found.T_WB;
-  int accepted = 0;
-  for (const double scale : {1.0, 0.2}) {
-    Vec15 sigma = Vec15::Ones();
-    sigma.head<3>().setConstant(kRecognised_rad * scale);
-    sigma.segment<3>(3).setConstant(kRecognised_m * scale);
-    locator_.reset(state, Mat15(sigma.cwiseAbs2().asDiagonal()));
-    accepted = locator_.update(correspondences_);
-    state = locator_.state();
-  }
-  T_WB = state.T_WB;
-  error = error_of_pose(T_WB.R, locator_.cov().topLeftCorner<6, 6>()) +
-          error_of_sigmas(kLocated_rad, kLocated_m);
-  return accepted;
+  return locator_.locate(found.T_WB, {kRecognised_rad, kRecognised_m, 0.2}, correspondences_);
 }
 
 // A place of this very map is seen again, but not where it should be: the way since was off, and
@@ -492,16 +479,17 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   const SE3& T_WB = filter_.state().T_WB;
   const Tracks* const tracks[kCamerasMax] = {&frontends[0].tracks(), &frontends[1].tracks()};
   Recognition& found = recognition_;
-  SE3 T_found;
-  Mat6 located;
   const int wanted = static_cast<int>(params_.tracker.loop_matches_min);
   if (!recogniser_.solve(view_, PlaceRule::kOld, T_WB.R, tracks, found) ||
-      locate(found, frontends, T_found, located) < wanted) {
+      locate(found, frontends) < wanted) {
     return false;
   }
+  const SE3& T_found = locator_.state().T_WB;
   Vec6 xi;
   xi << so3_log(T_found.R * T_WB.R.transpose()), T_found.p - T_WB.p;
   const Vec4 off = gauge_of(xi);
+  const Mat6 located = error_of_pose(T_found.R, locator_.cov().topLeftCorner<6, 6>()) +
+                       error_of_sigmas(kLocated_rad, kLocated_m);
   const Mat4 R = gauge_of(located);
   if (off.dot(R.inverse() * off) < kLoopChi2_max) return false;
   const Mat6 error = error_about(T_WB.p, map_error_at_, map_error_);
@@ -510,11 +498,10 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
     ++counters_.loops_implausible;
     return false;
   }
-  for (const Recognition::Match& match : found.matches) {
-    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
-  }
   KeyframeMessage* message = begin_keyframe(t, frontends);
   if (message == nullptr) return false;
+  adopt(found, frontends);  // only now: where nothing closes, tracks keep their own points
+  observe(frontends, message->observations);
   message->close = true;
   message->off = off;
   message->off_cov = R;
@@ -526,8 +513,7 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   xi.head<2>().setZero();
   T_join_ = motion_of(xi, T_WB.p);
   end_keyframe(*message);
-  last_keyframe_.T_WB = T_join_ * last_keyframe_.T_WB;
-  last_keyframe_.v_WB = T_join_.R * last_keyframe_.v_WB;
+  move(T_join_, last_keyframe_);
   joining_ = true;
   ++counters_.loops;
   return true;

@@ -100,7 +100,8 @@ class Tracker {
   void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   bool try_join(TimeNs t, Frontend* frontends);
   bool try_close(TimeNs t, Frontend* frontends);
-  int locate(const Recognition& found, const Frontend* frontends, SE3& T_WB, Mat6& error);
+  static void adopt(const Recognition& found, Frontend* frontends);
+  int locate(const Recognition& found, const Frontend* frontends);
   void lose();
   Mat6 find_place(TimeNs t, Frontend* frontends);  // and how uncertain it is
   void carry_over();
