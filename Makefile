@@ -81,7 +81,9 @@ comma := ,
 # the time to compile Eigen and forbid nothing that our chips cannot do.
 SANITIZERS := $(if $(filter thread,$(SAN)),-fsanitize=thread,-fsanitize=address$(comma)undefined \
   -fno-sanitize=null$(comma)alignment$(comma)object-size)
-SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all
+# GCC says of maybe-uninitialized that it is wrong where a sanitizer's code stands in between.
+SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all \
+  -Wno-maybe-uninitialized
 FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
 CLANGXX ?= clang++
 

@@ -61,7 +61,8 @@ Replay replay(const tools::Recording& recording, int cores,
   alarm(kReplay_s_max);
   {
     tools::Feed feed(recording, faults);
-    bsp::replay_start(feed.source(), bsp::ReplayPace::kFast);
+    const bool live = pace == Pace::kSensors;
+    bsp::replay_start(feed.source(), live ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
     out.status = app.run(board::kPlans[cores - 1], pace);
     out.rejected = feed.rejected();

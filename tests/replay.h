@@ -31,7 +31,7 @@ struct Replay {
   double ate_of_path() const;                     // ATE rmse as a share of the path
 };
 
-// faults: as --fault takes them.
+// faults: as --fault takes them. kSensors: in real time.
 Replay replay(const tools::Recording& recording, int cores = 1,
               const std::vector<std::string>& faults = {}, Pace pace = Pace::kAsWeGo);
 

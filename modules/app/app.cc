@@ -147,6 +147,7 @@ Step App::door_step() {
   }
   const Status status = door_.next(item);
   if (status == Status::kStale && mapper_.finished() == tracker_.sent()) scheduler_->stop();
+  if (status == Status::kTimeout) interrupt(door_t_, "the IMU is silent");
   if (status != Status::kOk) return Step::kIdle;
   door_t_ = item.is_frame ? item.frame.t : item.imu.t;
   if (item.is_frame) {

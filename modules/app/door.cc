@@ -34,6 +34,7 @@ const char* name(DoorLoss loss) {
                                            "imu_backwards",
                                            "imu_lost",
                                            "imu_gap",
+                                           "imu_silent",
                                            "imu_clock_back",
                                            "stream_broken",
                                            "frame_stamp_impossible",
@@ -59,10 +60,22 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
   tap_ = tap;
   offset_ = calibration.camera_time_offset;
   break_ = from_seconds(static_cast<double>(params.break_s));
+  bridge_ = from_seconds(static_cast<double>(params.bridge_s));
   frame_wait_ = from_seconds(static_cast<double>(params.frame_wait_s));
   clock_step_ = from_seconds(static_cast<double>(params.clock_step_s));
   imu_guard_.configure(params);
   image_guard_.configure(calibration.camera, calibration.cameras, params);
+}
+
+bool Silence::lasts(TimeNs limit) {
+  const TimeNs now = bsp::now();
+  if (since_ == 0) since_ = now;
+  return now - since_ >= limit;
+}
+
+bool Silence::first_lasts(TimeNs limit) {
+  if (told_ || !lasts(limit)) return false;
+  return told_ = true;
 }
 
 bool Door::fetch_imu() {
@@ -78,6 +91,7 @@ bool Door::fetch_imu() {
     }
     if (status == Status::kFull) losses_.add(DoorLoss::kImuLost);  // this sample is good
     if (status != Status::kOk && status != Status::kFull) return false;
+    imu_silence_.end();
     if (tap_.imu != nullptr) tap_.imu(tap_.context, raw);
     imu_guard_.put(raw, losses_);
   }
@@ -98,8 +112,7 @@ bool Door::fetch_frame() {
   }
   note_frame_step(frame_.images.t);
   frame_.t = frame_.images.t + offset_;
-  silent_since_ = 0;
-  silence_counted_ = false;
+  camera_silence_.end();
   return true;
 }
 
@@ -155,12 +168,8 @@ bool Door::is_late(const DoorFrame& frame, DoorLoss& why) const {
 // Nobody has seen a frame for a while: dead reckoning must go on.
 bool Door::imu_may_pass_silent_cameras() {
   if (frames_ended_) return true;
-  const TimeNs now = bsp::now();
-  if (silent_since_ == 0) silent_since_ = now;
-  if (now - silent_since_ < frame_wait_) return false;
-  if (!silence_counted_) losses_.add(DoorLoss::kCameraSilent);
-  silence_counted_ = true;
-  return true;
+  if (camera_silence_.first_lasts(frame_wait_)) losses_.add(DoorLoss::kCameraSilent);
+  return camera_silence_.lasts(frame_wait_);
 }
 
 void Door::hand_out(DoorItem& out, const ImuSample& sample, bool broken) {
@@ -228,6 +237,10 @@ Status Door::next(DoorItem& out) {
       continue;
     }
     if (!imu) {
+      if (!imu_ended_ && imu_silence_.first_lasts(bridge_)) {
+        losses_.add(DoorLoss::kImuSilent);
+        return Status::kTimeout;
+      }
       if (!imu_ended_ && !(frame && is_from_the_future())) return Status::kEmpty;
       if (frame) {
         drop_frame(imu_ended_ ? DoorLoss::kFrameWithoutImu : DoorLoss::kFrameAhead);

@@ -5,8 +5,9 @@
 //         (interpolated when the IMU has none there). A frame may lack one image or both. broken:
 //         time does not go on from the item before; whoever integrates must start anew.
 // Units   ns, rad/s, m/s^2.
-// Errors  kEmpty: nothing now. kStale: the sensors have ended. Bad input is dropped and counted:
-//         docs/faults.md. Cameras that stay silent delay the IMU by frame_wait_s at most.
+// Errors  kEmpty: nothing now. kTimeout, once each time: the IMU has said nothing for bridge_s.
+//         kStale: the sensors have ended. Bad input is dropped and counted: docs/faults.md.
+//         Cameras that stay silent delay the IMU by frame_wait_s at most.
 // Cost    ~6 us a stereo frame, for its checksums. Source: docs/architecture.md.
 #pragma once
 
@@ -37,6 +38,17 @@ struct DoorItem {
   bool broken = false;
   ImuSample imu;
   DoorFrame frame;
+};
+
+// A live sensor that gives nothing, by the machine's clock.
+class Silence {
+ public:
+  void end() { *this = Silence{}; }
+  bool lasts(TimeNs limit);        // asked whenever there was nothing
+  bool first_lasts(TimeNs limit);  // true once
+ private:
+  TimeNs since_ = 0;  // 0: the sensor is heard
+  bool told_ = false;
 };
 
 // Sees everything that comes in, before any of it is judged.
@@ -74,7 +86,7 @@ class Door {
 
   DoorParams params_;
   DoorTap tap_;
-  TimeNs offset_ = 0, break_ = 0, frame_wait_ = 0;
+  TimeNs offset_ = 0, break_ = 0, bridge_ = 0, frame_wait_ = 0;
   ImuGuard imu_guard_;
   ImageGuard image_guard_;
   ImuSample last_;  // handed out
@@ -91,8 +103,7 @@ class Door {
   TimeNs raw_frame_t_ = INT64_MIN, frame_period_ = 0;
   int future_frames_ = 0;  // in a row
   bool imu_ended_ = false, frames_ended_ = false;
-  TimeNs silent_since_ = 0;  // by the machine's clock; 0: the cameras are heard
-  bool silence_counted_ = false;
+  Silence imu_silence_, camera_silence_;
   DoorLosses losses_;
 };
 

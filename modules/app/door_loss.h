@@ -17,6 +17,7 @@ enum class DoorLoss : uint8_t {
   kImuBackwards,
   kImuLost,
   kImuGap,
+  kImuSilent,
   kImuClockBack,
   kStreamBroken,
   kFrameStampImpossible,

@@ -521,6 +521,72 @@ TEST(door, silent_cameras_hold_up_the_imu_for_a_moment_only) {
   EXPECT_EQ(door.losses()[DoorLoss::kCameraSilent], 1u);
 }
 
+// Live: after 100 ms the IMU falls silent, the cameras go on, `jump` ahead.
+struct QuietImu {
+  explicit QuietImu(TimeNs cameras_jump = 0) : jump(cameras_jump) {
+    bsp::replay_start({this, next_imu, next_frame, [](void*) {}}, bsp::ReplayPace::kRealTime);
+    DoorParams params;
+    params.break_s = 0.1f;
+    params.bridge_s = 0.2f;
+    door.configure(Calibration{}, params);
+  }
+  static bool next_imu(void* context, ImuSample& out) {
+    auto& self = *static_cast<QuietImu*>(context);
+    const TimeNs never = 3'600'000 * kMs;
+    const double rate = 1e-3 * double(self.samples);  // no two alike: it is not stuck
+    out = {self.samples <= 20 ? self.samples * 5 * kMs : never, Vec3(rate, 0, 0), Vec3(0, 0, 9.81)};
+    ++self.samples;
+    return true;
+  }
+  static bool next_frame(void* context, StereoFrame& out) {
+    auto& self = *static_cast<QuietImu*>(context);
+    out = StereoFrame{};
+    out.t = self.frames * 10 * kMs + (self.frames < 10 ? 0 : self.jump);
+    ++self.frames;
+    return true;
+  }
+  template <class Done>
+  void run_until(Done&& done) {
+    const TimeNs begin = bsp::now();
+    while (!done()) {
+      ASSERT_LT(bsp::now() - begin, 10'000 * kMs);
+      DoorItem item;
+      const Status status = door.next(item);
+      timeouts += status == Status::kTimeout;
+      if (status != Status::kOk) bsp::relax();
+      if (status == Status::kOk && item.is_frame) door.release();
+    }
+  }
+  uint32_t lost(DoorLoss loss) const { return door.losses()[loss]; }
+  TimeNs samples = 0, frames = 0, jump = 0;
+  int timeouts = 0;
+  Door door;
+};
+
+TEST(door, live_frames_from_the_future_say_that_the_cameras_clock_was_set) {
+  QuietImu live(390 * kMs);
+  live.run_until([&] { return live.door.losses()[DoorLoss::kCameraClockSet] > 0; });
+  EXPECT_EQ(live.lost(DoorLoss::kFrameAhead), 2u) << "as many may be an accident";
+}
+
+TEST(door, live_frames_from_the_future_by_too_small_a_step_are_dropped_all) {
+  QuietImu live(110 * kMs);
+  live.run_until([&] { return live.door.losses()[DoorLoss::kFrameAhead] >= 4; });
+  EXPECT_EQ(live.lost(DoorLoss::kCameraClockSet), 0u) << "no stamp has stepped by clock_step_s";
+}
+
+TEST(door, a_silent_imu_is_told_once) {
+  QuietImu live;
+  const TimeNs begin = bsp::now();
+  live.run_until([&] { return live.timeouts > 0; });
+  EXPECT_GE(bsp::now() - begin, 300 * kMs) << "0.1 s of samples, bridge_s of silence";
+  const TimeNs told = bsp::now();
+  live.run_until([&] { return bsp::now() - told > 250 * kMs; });
+  EXPECT_EQ(live.timeouts, 1);
+  EXPECT_EQ(live.lost(DoorLoss::kImuSilent), 1u);
+  EXPECT_EQ(live.frames, 12) << "a frame waits for its sample";
+}
+
 TEST(door, the_tap_sees_everything_before_it_is_judged) {
   Script s;
   s.imu_until(0, 50 * kMs);

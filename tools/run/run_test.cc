@@ -113,7 +113,7 @@ TEST(report, is_one_file_and_escapes_what_it_shows) {
   const Recording recording = make_recording();
   const RunLog log = make_log(3);
   const RunResult result = make_result(recording, log, Status::kOk);
-  const RunInfo info = {"pirvs run <a> --out 'b'", "/data/<a>/", "abc123", 1};
+  const RunInfo info = {"pirvs run <a> --out 'b'", "/data/<a>/", "abc123", 1, {}};
   const std::string page = make_report(info, recording, log, result, {{"images_missing", 2}});
   for (const char* loaded : {"<script src", "<link", "@import", "url(http", "<img"}) {
     EXPECT_EQ(page.find(loaded), std::string::npos) << loaded;
