@@ -10,6 +10,7 @@
 #include "bsp/linux/storage.h"
 #include "core/trace/trace.h"
 #include "tools/cli/command.h"
+#include "tools/cli/command_line.h"
 #include "tools/cli/progress.h"
 #include "tools/dataset/input_error.h"
 #include "tools/report/report.h"
@@ -101,18 +102,6 @@ int run(const Options& options, const std::string& command) {
   return result.exit_status();
 }
 
-std::string joined(const CLI::App& app) {
-  std::string out = "pirvs run";
-  for (const CLI::Option* option : app.parse_order()) {
-    const std::string name = option->get_positional() ? "" : " " + option->get_name();
-    out += name;
-    for (const std::string& value : option->results()) {
-      if (option->get_expected_max() > 0) out += " " + value;
-    }
-  }
-  return out;
-}
-
 std::function<int()> declare_run(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder or a packed file")->required();
@@ -137,7 +126,7 @@ std::function<int()> declare_run(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--record", o->record, "also write all input, faults and all, as an ASL folder");
   app.footer(fault_help());
-  return [o, &app] { return run(*o, joined(app)); };
+  return [o, &app] { return run(*o, command_line(app)); };
 }
 
 std::function<int()> declare_params(CLI::App&) {

@@ -1,0 +1,16 @@
+// What    The command line of a run as it could be typed again, for its report.
+// In      the options of a command, after they were parsed.
+// Out     `pirvs NAME ...` in the order typed; a value that a shell would take apart is quoted.
+// Errors  none.
+// Cost    -
+#pragma once
+
+#include <string>
+
+#include <CLI/CLI.hpp>
+
+namespace pirvs::tools {
+
+std::string command_line(const CLI::App& command);
+
+}  // namespace pirvs::tools
