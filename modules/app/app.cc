@@ -347,6 +347,7 @@ int App::counters(NamedValue* out, int max) const {
   add("points_temporal", m.points_temporal);
   add("points_removed", m.points_removed);
   add("points_full", m.points_full);
+  add("points_forgotten", m.points_forgotten);
   add("points_rejected", m.points_rejected);
   add("observations_removed", m.observations_removed);
   add("bundle_full", m.bundle_full);

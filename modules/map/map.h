@@ -29,7 +29,8 @@ struct Landmark {
   Vec3 view_W = Vec3::Zero();           // unit vector from the point to where it was first seen
   float distance_m = 0;                 // from there
   uint16_t views = 0;                   // observations in the map's keyframes, both cameras
-  uint32_t last_keyframe = 0;           // sequence number of the newest keyframe that saw it
+  uint32_t first_keyframe = 0;          // sequence number of the keyframe that made it
+  uint32_t last_keyframe = 0;           // of the newest that saw it
   TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
   uint16_t epoch = 0;                   // of the keyframe that made it
 };
@@ -78,8 +79,9 @@ struct MapPoint {
   Vec3 view_W;
   float distance_m;
   TrackId track[kCamerasMax];
-  bool in_newest;          // the newest keyframe saw it: `track` is complete
-  uint32_t last_keyframe;  // the newest that saw it
+  bool in_newest;           // the newest keyframe saw it: `track` is complete
+  uint32_t first_keyframe;  // that made it
+  uint32_t last_keyframe;   // the newest that saw it
   uint16_t epoch;
 };
 

@@ -104,11 +104,12 @@ void Mapper::close(const KeyframeMessage& message) {
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     Landmark* point = map_.landmarks.at(slot);
     if (point == nullptr || point->last_keyframe < sequence_begin) continue;
-    // Sequences have no holes but where a start was renewed: from the guess it is a step or none.
     const uint32_t seen = std::min(point->last_keyframe, newest);
-    size_t at = std::min(begin + (seen - sequence_begin), order_.size() - 1);
-    while (at > begin && keyframe(at).sequence > seen) --at;
-    move(motions[at - begin], *point);
+    const auto after = std::upper_bound(order_.begin() + begin, order_.end(), seen,
+                                        [&](uint32_t sequence, KeyframeId id) {
+                                          return sequence < map_.keyframes.find(id)->sequence;
+                                        });
+    move(motions[after - order_.begin() - begin - 1], *point);
   }
 }
 
@@ -119,8 +120,14 @@ size_t Mapper::run_begin() const {
   return i;
 }
 
+// What the next one knew against this one, it knows against the one before from now on.
 void Mapper::remove_keyframe(size_t order) {
   Keyframe& leaving = keyframe(order);
+  if (order + 1 < order_.size()) {
+    Keyframe& next = keyframe(order + 1);
+    next.linked = false;
+    next.added += error_about(next.state.T_WB.p, leaving.state.T_WB.p, leaving.added);
+  }
   for (Observations& observations : leaving.observations) {
     for (Observation& sighting : observations) detach(sighting);
   }
@@ -129,6 +136,56 @@ void Mapper::remove_keyframe(size_t order) {
   for (size_t i = order + 1; i < order_.size(); ++i) order_[i - 1] = order_[i];
   order_.pop_back();
   ++counters_.keyframes_removed;
+}
+
+// The map is full. Leaves: of the keyframes that no adjustment moves any more, the one whose points
+// have the most other views; so whoever hovers does not forget where he came from.
+void Mapper::forget_keyframe() {
+  const size_t kept = static_cast<size_t>(params_.window) + 1;  // the prior stands on one of them
+  size_t leaving = 0;
+  float least = 1e9f;
+  for (size_t i = 0; i + kept < order_.size(); ++i) {
+    float worth = 0;
+    for (const Observations& observations : keyframe(i).observations) {
+      for (const Observation& sighting : observations) {
+        const Landmark* landmark = map_.landmarks.find(sighting.landmark);
+        if (landmark != nullptr) worth += 1.0f / static_cast<float>(landmark->views);
+      }
+    }
+    if (worth >= least) continue;
+    least = worth;
+    leaving = i;
+  }
+  remove_keyframe(leaving);
+}
+
+// Makes room for all points that a keyframe can bring. Leave: those with the fewest views that no
+// recent keyframe sees; of equals, those not seen for longest.
+void Mapper::forget_points() {
+  constexpr size_t kRoom = kCamerasMax * kTracksMax;
+  if (map_.landmarks.size() + kRoom <= map_.landmarks.capacity()) return;
+  const size_t recent = std::min(order_.size(), static_cast<size_t>(params_.window));
+  const uint32_t recent_sequence = keyframe(order_.size() - recent).sequence;
+  forgettable_.clear();
+  for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
+    const Landmark* landmark = map_.landmarks.at(slot);
+    if (landmark == nullptr || landmark->last_keyframe >= recent_sequence) continue;
+    (void)forgettable_.push_back(
+        {landmark->last_keyframe, landmark->views, static_cast<uint16_t>(slot)});
+  }
+  const size_t count = std::min(forgettable_.size(), 2 * kRoom);  // once in a few keyframes
+  std::nth_element(forgettable_.begin(), forgettable_.begin() + count, forgettable_.end(),
+                   [](const Forgettable& a, const Forgettable& b) {
+                     if (a.views != b.views) return a.views < b.views;
+                     if (a.last_keyframe != b.last_keyframe) {
+                       return a.last_keyframe < b.last_keyframe;
+                     }
+                     return a.slot < b.slot;
+                   });
+  for (size_t i = 0; i < count; ++i) {
+    (void)map_.landmarks.release(map_.landmarks.handle(forgettable_[i].slot));
+    ++counters_.points_forgotten;
+  }
 }
 
 void Mapper::attach(Observation& sighting, LandmarkId id, Landmark& landmark) {
@@ -154,7 +211,7 @@ void Mapper::insert(const KeyframeMessage& message) {
     run_error_ = newest_error_ = message.error;
   }
   if (message.join) join(message);
-  if (order_.full()) remove_keyframe(0);
+  if (order_.full()) forget_keyframe();
   const Result<KeyframeId> id = map_.keyframes.acquire();
   PIRVS_ASSERT(id.ok());  // order_ holds every live keyframe, and one has just left if it was full
   Keyframe& fresh = *map_.keyframes.find(id.value());
@@ -188,6 +245,7 @@ void Mapper::insert(const KeyframeMessage& message) {
       attach(sighting, landmark_id, *landmark);
     }
   }
+  forget_points();
   create_points(fresh);
   ++counters_.keyframes;
 }
@@ -272,7 +330,7 @@ void Mapper::create_point(Keyframe& keyframe, int camera, size_t index) {
   const Vec3 towards = (keyframe.state.T_WB * camera_[camera].T_BC).p - point.p_W;
   landmark.distance_m = static_cast<float>(towards.norm());
   landmark.view_W = towards / towards.norm();
-  landmark.last_keyframe = keyframe.sequence;
+  landmark.first_keyframe = landmark.last_keyframe = keyframe.sequence;
   landmark.epoch = keyframe.epoch;
   landmark.track[camera] = keyframe.observations[camera][index].track;
   if (stereo) landmark.track[1 - camera] = sightings[1]->track;
@@ -327,7 +385,7 @@ void Mapper::choose_fixed(size_t window_begin) {
   for (size_t i = window_begin; i < order_.size(); ++i) {
     for (const Observations& observations : keyframe(i).observations) {
       for (const Observation& sighting : observations) {
-        if (!sighting.landmark.valid()) continue;
+        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
         in_window[sighting.landmark.slot / 64] |= uint64_t{1} << (sighting.landmark.slot % 64);
       }
     }
@@ -342,8 +400,9 @@ void Mapper::choose_fixed(size_t window_begin) {
     for (const Observations& observations : keyframe(i).observations) {
       int by_camera = 0;
       for (const Observation& sighting : observations) {
+        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
         const uint16_t slot = sighting.landmark.slot;
-        if (sighting.landmark.valid() && (in_window[slot / 64] >> (slot % 64) & 1)) ++by_camera;
+        if (in_window[slot / 64] >> (slot % 64) & 1) ++by_camera;
       }
       shared = std::max(shared, by_camera);
     }
@@ -412,7 +471,8 @@ void Mapper::add_points(size_t window_begin) {
     for (const Member& member : members_) {
       for (int c = 0; c < kCamerasMax; ++c) {
         for (Observation& sighting : keyframe(member.order).observations[c]) {
-          if (!sighting.landmark.valid() || place[sighting.landmark.slot] == kNone) continue;
+          if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
+          if (place[sighting.landmark.slot] == kNone) continue;
           visit(place[sighting.landmark.slot], Entry{&sighting, member.frame, int16_t(c)});
         }
       }
@@ -506,13 +566,13 @@ void Mapper::remove_outliers() {
   }
 }
 
-// A point needs two views, and once its first keyframes are past, three.
+// A point needs two views, and once its first keyframes are past, kViewsMin.
 void Mapper::remove_weak_points() {
   const uint32_t newest = keyframe(order_.size() - 1).sequence;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     const Landmark* landmark = map_.landmarks.at(slot);
     if (landmark == nullptr) continue;
-    const uint16_t wanted = newest - landmark->last_keyframe > 2 ? 3 : 2;
+    const uint16_t wanted = newest - landmark->last_keyframe > 2 ? kViewsMin : 2;
     if (landmark->views >= wanted) continue;
     (void)map_.landmarks.release(map_.landmarks.handle(slot));
     ++counters_.points_removed;
@@ -545,6 +605,7 @@ void Mapper::publish(bool adjusted) {
               landmark->distance_m,
               {landmark->track[0], landmark->track[1]},
               landmark->last_keyframe == newest.sequence,
+              landmark->first_keyframe,
               landmark->last_keyframe,
               landmark->epoch};
     if (!point->in_newest) point->track[0] = point->track[1] = 0;

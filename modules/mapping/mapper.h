@@ -1,7 +1,7 @@
 // Builds and refines the map beside tracking: keyframes in, triangulated and adjusted points out.
 // In      KeyframeMessage by ring. Out: MapSnapshot by mailbox; the Map itself, to read at the end.
 // Frames  W, B, C as everywhere.
-// Errors  none to the caller; full pools and rejected points are counted by name.
+// Errors  none to the caller; what is rejected, and what a full map forgets, is counted by name.
 // Cost    step(): ~0.3 ms at most, ~6 ms a keyframe in all, x86-64.
 // Source  PIRVS paper, section IV.C.
 #pragma once
@@ -20,7 +20,8 @@ namespace pirvs {
 struct MappingCounters {
   uint32_t keyframes = 0, keyframes_removed = 0, adjustments = 0, adjustments_failed = 0;
   uint32_t points_stereo = 0, points_temporal = 0, points_removed = 0, points_full = 0;
-  uint32_t points_rejected = 0, observations_removed = 0, bundle_full = 0, restarts = 0, joins = 0;
+  uint32_t points_forgotten = 0, points_rejected = 0, observations_removed = 0;
+  uint32_t bundle_full = 0, restarts = 0, joins = 0;
 };
 
 class Mapper {
@@ -46,6 +47,8 @@ class Mapper {
   void close(const KeyframeMessage& message);
   size_t run_begin() const;
   void remove_keyframe(size_t order);
+  void forget_keyframe();
+  void forget_points();
   LandmarkId landmark_of_track(int camera, TrackId track);
   void create_points(Keyframe& keyframe);
   void create_point(Keyframe& keyframe, int camera, size_t index);
@@ -69,6 +72,7 @@ class Mapper {
   Keyframe& keyframe(size_t order) { return *map_.keyframes.find(order_[order]); }
 
   static constexpr int kViewsMax = 8;
+  static constexpr uint16_t kViewsMin = 3;  // of a point that is to stay
   Camera camera_[kCamerasMax];
   ImuNoise noise_;
   MappingParams params_;
@@ -91,6 +95,11 @@ class Mapper {
   int window_first_ = 0;                             // first free one in members_
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
   FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  struct Forgettable {
+    uint32_t last_keyframe;
+    uint16_t views, slot;
+  };
+  FixedVector<Forgettable, kLandmarksMax> forgettable_;
   WindowPrior prior_;
   uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();

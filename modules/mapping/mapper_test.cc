@@ -39,7 +39,7 @@ struct Way {
       for (int c = 0; c < kCamerasMax; ++c) {
         Observation* o = message.observations[c].append();
         *o = Observation{};
-        o->track = static_cast<TrackId>(i + 1);
+        o->track = first_track + static_cast<TrackId>(i);
         const Vec2 noisy = uv[c] + random.pixel(0.3);
         o->x = static_cast<float>(noisy.x());
         o->y = static_cast<float>(noisy.y());
@@ -82,6 +82,7 @@ struct Way {
   ImuNoise noise;
   std::vector<Vec3> points;
   SE3 T_drift;
+  TrackId first_track = 1;
   uint32_t sent = 0;
   const MapSnapshot* snapshot = nullptr;
   std::unique_ptr<KeyframeRing> ring = std::make_unique<KeyframeRing>();
@@ -147,6 +148,76 @@ TEST(mapper, a_closed_loop_moves_what_came_since_and_nothing_before) {
   EXPECT_EQ(way.mapper->counters().adjustments_failed, failed);
   const BodyState expected = way.sway.state(25 * kInterval_s);
   EXPECT_LT((way.snapshot->state.T_WB.p - (way.T_drift * expected.T_WB).p).norm(), 0.01);
+}
+
+// Keyframes and points alone: no adjustment.
+void send(Way& way, int keyframes) {
+  for (int i = 0; i < keyframes; ++i) {
+    way.next().adjust = false;
+    way.map();
+    way.mapper->step();
+  }
+}
+
+TEST(mapper, whoever_hovers_does_not_forget_where_he_came_from) {
+  Way way;
+  send(way, 40);
+  const uint32_t came = way.sent;
+  way.sway.amplitude_m.setZero();
+  way.sway.omega_rad_s.setZero();
+  send(way, int(kKeyframesMax) + 200);
+  EXPECT_EQ(way.mapper->map().keyframes.size(), kKeyframesMax);
+  EXPECT_EQ(way.mapper->counters().keyframes_removed, 240u);
+  uint32_t kept = 0;
+  for (uint32_t s = 1; s <= came; ++s) kept += way.keyframe(s) != nullptr ? 1 : 0;
+  EXPECT_GT(kept, came / 2);
+  way.next();  // and all goes on
+  way.map();
+  EXPECT_TRUE(way.snapshot->adjusted);
+}
+
+TEST(mapper, what_a_removed_keyframe_added_to_the_error_stays) {
+  Way way;
+  for (int i = 0; i < 20; ++i) {
+    way.next();
+    way.map();
+  }
+  const auto heading_variance = [&] {
+    double sum = 0;
+    for (uint32_t s = 1; s <= way.sent; ++s) {
+      if (const Keyframe* k = way.keyframe(s)) sum += k->added(2, 2);
+    }
+    return sum;
+  };
+  const double before = heading_variance();
+  send(way, int(kKeyframesMax));
+  const double of_each = way.keyframe(way.sent)->added(2, 2);  // as long as none is adjusted
+  EXPECT_EQ(way.mapper->counters().keyframes_removed, 20u);
+  ASSERT_GT(before, of_each);
+  EXPECT_NEAR(heading_variance(), before + double(kKeyframesMax) * of_each, 1e-6 * before);
+}
+
+TEST(mapper, a_full_map_takes_new_points_and_forgets_the_weakest) {
+  Way way;
+  send(way, 12);
+  const auto known = [&](uint32_t sequence) {
+    size_t count = 0;
+    for (const Observation& sighting : way.keyframe(sequence)->observations[0]) {
+      count += way.mapper->map().landmarks.find(sighting.landmark) != nullptr ? 1 : 0;
+    }
+    return count;
+  };
+  const size_t known_first = known(1);
+  ASSERT_GT(known_first, 100u);
+  for (int wall = 0; wall < 80; ++wall) {  // always another one
+    way.first_track += 1000;
+    for (Vec3& point : way.points) point.y() = way.random.uniform(-6, 6);
+    send(way, 2);
+  }
+  EXPECT_GT(way.mapper->counters().points_forgotten, 0u);
+  EXPECT_EQ(way.mapper->counters().points_full, 0u);
+  EXPECT_GT(known(way.sent), 100u) << "the newest";
+  EXPECT_GT(known(1), known_first / 2) << "seen by many keyframes";
 }
 
 }  // namespace

@@ -473,6 +473,24 @@ int Tracker::locate(const Recognition& found, const Frontend* frontends) {
 
 // A place of this very map is seen again, but not where it should be: the way since was off, and
 // mapping spreads that over it.
+// Points now tracked that are as old as the place found: that pose stands on them already.
+int Tracker::held_of(const Recognition& found, const Frontend* frontends) const {
+  FixedVector<uint32_t, kCamerasMax * kTracksMax> seen;
+  for (const Recognition::Match& match : found.matches) {
+    (void)seen.push_back(view_.find(match.landmark)->last_keyframe);
+  }
+  uint32_t* const middle = seen.begin() + seen.size() / 2;
+  std::nth_element(seen.begin(), middle, seen.end());
+  int held = 0;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    for (const Track& track : frontends[c].tracks()) {
+      const MapPoint* point = view_.find(track.landmark);
+      held += point != nullptr && point->first_keyframe <= *middle ? 1 : 0;
+    }
+  }
+  return held;
+}
+
 bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   if (to_seconds(t - last_loop_t_) < params_.tracker.loop_every_s) return false;
   last_loop_t_ = t;
@@ -496,6 +514,11 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   const Mat4 S = params_.tracker.cov_scale * gauge_of(error) + R;
   if (off.dot(S.inverse() * off) > kLoopChi2_max) {
     ++counters_.loops_implausible;
+    return false;
+  }
+  const auto matches = static_cast<float>(found.matches.size());
+  if (static_cast<float>(held_of(found, frontends)) > params_.tracker.loop_held_max * matches) {
+    ++counters_.loops_held;
     return false;
   }
   KeyframeMessage* message = begin_keyframe(t, frontends);

@@ -39,7 +39,7 @@ struct TrackingCounters {
   uint32_t keyframes = 0, keyframes_dropped = 0, snapshots = 0, snapshots_late = 0;
   uint32_t matched_by_projection = 0, standstill_frames = 0, tracks_dropped = 0;
   uint32_t recognitions = 0, recognitions_failed = 0, joins = 0, jumps = 0;
-  uint32_t loops = 0, loops_implausible = 0;
+  uint32_t loops = 0, loops_implausible = 0, loops_held = 0;
   uint32_t gates[static_cast<int>(Gate::kCount)] = {};
 };
 
@@ -100,6 +100,7 @@ class Tracker {
   void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   bool try_join(TimeNs t, Frontend* frontends);
   bool try_close(TimeNs t, Frontend* frontends);
+  int held_of(const Recognition& found, const Frontend* frontends) const;
   static void adopt(const Recognition& found, Frontend* frontends);
   int locate(const Recognition& found, const Frontend* frontends);
   void lose();

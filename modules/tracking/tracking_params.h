@@ -66,6 +66,7 @@ struct TrackerParams {
   float loop_keyframes_min = 30.0f;
   float loop_every_s = 0.5f;
   float loop_matches_min = 30.0f;
+  float loop_held_max = 1.5f;
   float cov_scale = 1.8f;
 };
 
@@ -108,6 +109,8 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
     {"loop_every_s", &TrackerParams::loop_every_s, 0, 60, "s", "time between looks for a loop"},
     {"loop_matches_min", &TrackerParams::loop_matches_min, 4, 400, "1",
      "matches with old points that fit one pose and close a loop"},
+    {"loop_held_max", &TrackerParams::loop_held_max, 0, 100, "1",
+     "times as many points tracked that are as old: the old place holds the pose already"},
     {"cov_scale", &TrackerParams::cov_scale, 0.1f, 100, "1",
      "times the covariance on its way out: views of one point share errors that no model knows"},
 };
