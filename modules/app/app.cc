@@ -338,6 +338,7 @@ int App::counters(NamedValue* out, int max) const {
   add("joins", t.joins);
   add("loops", t.loops);
   add("loops_implausible", t.loops_implausible);
+  add("loops_held", t.loops_held);
   add("jumps", t.jumps);
   const MappingCounters& m = mapper_.counters();
   add("keyframes_removed", m.keyframes_removed);
