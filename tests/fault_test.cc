@@ -126,6 +126,8 @@ TEST(fault, a_long_imu_gap_starts_anew) {
 TEST(fault, a_live_imu_falls_silent) {
   const Replay run = replay(recording(), 1, {"imu:2-4"}, Pace::kSensors);
   print("IMU silent", run);
+  if (run.result.timing.back().mean > 25)
+    GTEST_SKIP() << "no real time: half a frame period is gone";
   EXPECT_EQ(run.counter("imu_silent"), 1u);
   EXPECT_EQ(run.counter("stream_broken"), 1u);
   const tools::HealthEvent* told = nullptr;

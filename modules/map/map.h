@@ -60,6 +60,7 @@ struct Keyframe {
   Preintegration from_previous;  // motion since keyframe `sequence - 1`
   bool linked = false;           // from_previous holds
   bool at_rest = false;
+  float worth = 1e9f;         // what would be missed without it; new ones are not weighed yet
   uint16_t epoch = 0;         // one for each start: only within one are places exact to each other
   Mat6 error = Mat6::Zero();  // of the pose: map_error.h, about its own place
   Mat6 added = Mat6::Zero();  // of that, against the keyframe before

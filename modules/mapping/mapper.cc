@@ -138,23 +138,30 @@ void Mapper::remove_keyframe(size_t order) {
   ++counters_.keyframes_removed;
 }
 
-// The map is full. Leaves: of the keyframes that no adjustment moves any more, the one whose points
-// have the most other views; so whoever hovers does not forget where he came from.
+// What would be missed without a keyframe: its points, each by its share of their views. A slice of
+// the map each time.
+void Mapper::weigh_keyframes() {
+  const size_t count = std::min(order_.size(), kWeighedAtOnce);
+  for (size_t n = 0; n < count; ++n) {
+    weigh_next_ = weigh_next_ + 1 < order_.size() ? weigh_next_ + 1 : 0;
+    Keyframe& weighed = keyframe(weigh_next_);
+    weighed.worth = 0;
+    for (const Observations& observations : weighed.observations) {
+      for (const Observation& sighting : observations) {
+        const Landmark* landmark = map_.landmarks.find(sighting.landmark);
+        if (landmark != nullptr) weighed.worth += 1.0f / static_cast<float>(landmark->views);
+      }
+    }
+  }
+}
+
+// The map is full: of the keyframes that no adjustment moves any more, the one leaves that is
+// missed least. Whoever hovers does not forget where he came from.
 void Mapper::forget_keyframe() {
   const size_t kept = static_cast<size_t>(params_.window) + 1;  // the prior stands on one of them
   size_t leaving = 0;
-  float least = 1e9f;
-  for (size_t i = 0; i + kept < order_.size(); ++i) {
-    float worth = 0;
-    for (const Observations& observations : keyframe(i).observations) {
-      for (const Observation& sighting : observations) {
-        const Landmark* landmark = map_.landmarks.find(sighting.landmark);
-        if (landmark != nullptr) worth += 1.0f / static_cast<float>(landmark->views);
-      }
-    }
-    if (worth >= least) continue;
-    least = worth;
-    leaving = i;
+  for (size_t i = 1; i + kept < order_.size(); ++i) {
+    if (keyframe(i).worth < keyframe(leaving).worth) leaving = i;
   }
   remove_keyframe(leaving);
 }
@@ -211,6 +218,7 @@ void Mapper::insert(const KeyframeMessage& message) {
     run_error_ = newest_error_ = message.error;
   }
   if (message.join) join(message);
+  if (order_.size() > kKeyframesMax / 2) weigh_keyframes();
   if (order_.full()) forget_keyframe();
   const Result<KeyframeId> id = map_.keyframes.acquire();
   PIRVS_ASSERT(id.ok());  // order_ holds every live keyframe, and one has just left if it was full

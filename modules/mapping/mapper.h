@@ -47,6 +47,7 @@ class Mapper {
   void close(const KeyframeMessage& message);
   size_t run_begin() const;
   void remove_keyframe(size_t order);
+  void weigh_keyframes();
   void forget_keyframe();
   void forget_points();
   LandmarkId landmark_of_track(int camera, TrackId track);
@@ -73,6 +74,7 @@ class Mapper {
 
   static constexpr int kViewsMax = 8;
   static constexpr uint16_t kViewsMin = 3;  // of a point that is to stay
+  static constexpr size_t kWeighedAtOnce = 64;
   Camera camera_[kCamerasMax];
   ImuNoise noise_;
   MappingParams params_;
@@ -95,6 +97,7 @@ class Mapper {
   int window_first_ = 0;                             // first free one in members_
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
   FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  size_t weigh_next_ = 0;                                          // place in order_
   struct Forgettable {
     uint32_t last_keyframe;
     uint16_t views, slot;
