@@ -67,15 +67,10 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
   image_guard_.configure(calibration.camera, calibration.cameras, params);
 }
 
-bool Silence::lasts(TimeNs limit) {
+bool Door::Silence::lasts(TimeNs limit) {
   const TimeNs now = bsp::now();
-  if (since_ == 0) since_ = now;
-  return now - since_ >= limit;
-}
-
-bool Silence::first_lasts(TimeNs limit) {
-  if (told_ || !lasts(limit)) return false;
-  return told_ = true;
+  if (since == 0) since = now;
+  return now - since >= limit;
 }
 
 bool Door::fetch_imu() {
@@ -91,7 +86,7 @@ bool Door::fetch_imu() {
     }
     if (status == Status::kFull) losses_.add(DoorLoss::kImuLost);  // this sample is good
     if (status != Status::kOk && status != Status::kFull) return false;
-    imu_silence_.end();
+    imu_silence_ = Silence{};
     if (tap_.imu != nullptr) tap_.imu(tap_.context, raw);
     imu_guard_.put(raw, losses_);
   }
@@ -112,7 +107,7 @@ bool Door::fetch_frame() {
   }
   note_frame_step(frame_.images.t);
   frame_.t = frame_.images.t + offset_;
-  camera_silence_.end();
+  camera_silence_ = Silence{};
   return true;
 }
 
@@ -168,8 +163,9 @@ bool Door::is_late(const DoorFrame& frame, DoorLoss& why) const {
 // Nobody has seen a frame for a while: dead reckoning must go on.
 bool Door::imu_may_pass_silent_cameras() {
   if (frames_ended_) return true;
-  if (camera_silence_.first_lasts(frame_wait_)) losses_.add(DoorLoss::kCameraSilent);
-  return camera_silence_.lasts(frame_wait_);
+  if (!camera_silence_.lasts(frame_wait_)) return false;
+  if (camera_silence_.is_news()) losses_.add(DoorLoss::kCameraSilent);
+  return true;
 }
 
 void Door::hand_out(DoorItem& out, const ImuSample& sample, bool broken) {
@@ -237,11 +233,13 @@ Status Door::next(DoorItem& out) {
       continue;
     }
     if (!imu) {
-      if (!imu_ended_ && imu_silence_.first_lasts(bridge_)) {
-        losses_.add(DoorLoss::kImuSilent);
-        return Status::kTimeout;
+      if (!imu_ended_) {
+        if (imu_silence_.lasts(bridge_) && imu_silence_.is_news()) {
+          losses_.add(DoorLoss::kImuSilent);
+          return Status::kTimeout;
+        }
+        if (!(frame && is_from_the_future())) return Status::kEmpty;
       }
-      if (!imu_ended_ && !(frame && is_from_the_future())) return Status::kEmpty;
       if (frame) {
         drop_frame(imu_ended_ ? DoorLoss::kFrameWithoutImu : DoorLoss::kFrameAhead);
         continue;

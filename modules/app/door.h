@@ -11,6 +11,8 @@
 // Cost    ~6 us a stereo frame, for its checksums. Source: docs/architecture.md.
 #pragma once
 
+#include <utility>
+
 #include "bsp/api/camera.h"
 #include "bsp/api/imu.h"
 #include "modules/app/calibration.h"
@@ -40,17 +42,6 @@ struct DoorItem {
   DoorFrame frame;
 };
 
-// A live sensor that gives nothing, by the machine's clock.
-class Silence {
- public:
-  void end() { *this = Silence{}; }
-  bool lasts(TimeNs limit);        // asked whenever there was nothing
-  bool first_lasts(TimeNs limit);  // true once
- private:
-  TimeNs since_ = 0;  // 0: the sensor is heard
-  bool told_ = false;
-};
-
 // Sees everything that comes in, before any of it is judged.
 struct DoorTap {
   void* context = nullptr;
@@ -72,6 +63,15 @@ class Door {
   void clocks_are_right() { doubt_ = ClockDoubt{}; }
 
  private:
+  // A live sensor that gives nothing, by the machine's clock.
+  struct Silence {
+    TimeNs since = 0;  // 0: the sensor is heard
+    bool told = false;
+
+    bool lasts(TimeNs limit);  // asked whenever there was nothing
+    bool is_news() { return !std::exchange(told, true); }
+  };
+
   bool fetch_imu();
   bool fetch_frame();
   bool is_late(const DoorFrame& frame, DoorLoss& why) const;

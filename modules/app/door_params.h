@@ -34,7 +34,7 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
      "as many equal samples in a row: the IMU is stuck, the rest is bridged"},
     {"gap_s", &DoorParams::gap_s, 0.001f, 10, "s", "a longer gap of the IMU is counted"},
     {"bridge_s", &DoorParams::bridge_s, 0.05f, 10, "s",
-     "a longer one is not bridged: tracking starts anew"},
+     "a longer one is not bridged: tracking starts anew; a live IMU silent for longer is told"},
     {"break_s", &DoorParams::break_s, 0.05f, 10, "s",
      "a stamp this far ahead waits for the next; time that runs back this long is a clock set "
      "back"},

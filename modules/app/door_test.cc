@@ -565,13 +565,13 @@ struct QuietImu {
 
 TEST(door, live_frames_from_the_future_say_that_the_cameras_clock_was_set) {
   QuietImu live(390 * kMs);
-  live.run_until([&] { return live.door.losses()[DoorLoss::kCameraClockSet] > 0; });
+  live.run_until([&] { return live.lost(DoorLoss::kCameraClockSet) > 0; });
   EXPECT_EQ(live.lost(DoorLoss::kFrameAhead), 2u) << "as many may be an accident";
 }
 
 TEST(door, live_frames_from_the_future_by_too_small_a_step_are_dropped_all) {
   QuietImu live(110 * kMs);
-  live.run_until([&] { return live.door.losses()[DoorLoss::kFrameAhead] >= 4; });
+  live.run_until([&] { return live.lost(DoorLoss::kFrameAhead) >= 4; });
   EXPECT_EQ(live.lost(DoorLoss::kCameraClockSet), 0u) << "no stamp has stepped by clock_step_s";
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "core/base/assert.h"
 
@@ -141,17 +142,13 @@ void Mapper::remove_keyframe(size_t order) {
 // What would be missed without a keyframe: its points, each by its share of their views. A slice of
 // the map each time.
 void Mapper::weigh_keyframes() {
-  const size_t count = std::min(order_.size(), kWeighedAtOnce);
-  for (size_t n = 0; n < count; ++n) {
+  for (size_t n = 0; n < kWeighedAtOnce; ++n) {
     weigh_next_ = weigh_next_ + 1 < order_.size() ? weigh_next_ + 1 : 0;
     Keyframe& weighed = keyframe(weigh_next_);
     weighed.worth = 0;
-    for (const Observations& observations : weighed.observations) {
-      for (const Observation& sighting : observations) {
-        const Landmark* landmark = map_.landmarks.find(sighting.landmark);
-        if (landmark != nullptr) weighed.worth += 1.0f / static_cast<float>(landmark->views);
-      }
-    }
+    for_each_sighting(weighed, [&](int, Observation&, const Landmark& landmark) {
+      weighed.worth += 1.0f / static_cast<float>(landmark.views);
+    });
   }
 }
 
@@ -173,24 +170,21 @@ void Mapper::forget_points() {
   if (map_.landmarks.size() + kRoom <= map_.landmarks.capacity()) return;
   const size_t recent = std::min(order_.size(), static_cast<size_t>(params_.window));
   const uint32_t recent_sequence = keyframe(order_.size() - recent).sequence;
-  forgettable_.clear();
+  FixedVector<uint16_t, kLandmarksMax> slots;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     const Landmark* landmark = map_.landmarks.at(slot);
     if (landmark == nullptr || landmark->last_keyframe >= recent_sequence) continue;
-    (void)forgettable_.push_back(
-        {landmark->last_keyframe, landmark->views, static_cast<uint16_t>(slot)});
+    (void)slots.push_back(static_cast<uint16_t>(slot));
   }
-  const size_t count = std::min(forgettable_.size(), 2 * kRoom);  // once in a few keyframes
-  std::nth_element(forgettable_.begin(), forgettable_.begin() + count, forgettable_.end(),
-                   [](const Forgettable& a, const Forgettable& b) {
-                     if (a.views != b.views) return a.views < b.views;
-                     if (a.last_keyframe != b.last_keyframe) {
-                       return a.last_keyframe < b.last_keyframe;
-                     }
-                     return a.slot < b.slot;
-                   });
+  const auto strength = [&](uint16_t slot) {
+    const Landmark& landmark = *map_.landmarks.at(slot);
+    return std::make_tuple(landmark.views, landmark.last_keyframe, slot);
+  };
+  const size_t count = std::min(slots.size(), 2 * kRoom);  // once in a few keyframes
+  std::nth_element(slots.begin(), slots.begin() + count, slots.end(),
+                   [&](uint16_t a, uint16_t b) { return strength(a) < strength(b); });
   for (size_t i = 0; i < count; ++i) {
-    (void)map_.landmarks.release(map_.landmarks.handle(forgettable_[i].slot));
+    (void)map_.landmarks.release(map_.landmarks.handle(slots[i]));
     ++counters_.points_forgotten;
   }
 }
@@ -391,12 +385,9 @@ void Mapper::choose_fixed(size_t window_begin) {
   if (window_begin == 0) return;
   uint64_t in_window[kLandmarksMax / 64] = {};
   for (size_t i = window_begin; i < order_.size(); ++i) {
-    for (const Observations& observations : keyframe(i).observations) {
-      for (const Observation& sighting : observations) {
-        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
-        in_window[sighting.landmark.slot / 64] |= uint64_t{1} << (sighting.landmark.slot % 64);
-      }
-    }
+    for_each_sighting(keyframe(i), [&](int, const Observation& sighting, const Landmark&) {
+      in_window[sighting.landmark.slot / 64] |= uint64_t{1} << (sighting.landmark.slot % 64);
+    });
   }
   struct Candidate {
     uint16_t order;
@@ -404,16 +395,13 @@ void Mapper::choose_fixed(size_t window_begin) {
   };
   FixedVector<Candidate, kKeyframesMax> candidates;
   for (size_t i = 0; i < window_begin; ++i) {
-    int shared = 0;  // by the camera that shares more: one of them may not have delivered
-    for (const Observations& observations : keyframe(i).observations) {
-      int by_camera = 0;
-      for (const Observation& sighting : observations) {
-        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
-        const uint16_t slot = sighting.landmark.slot;
-        if (in_window[slot / 64] >> (slot % 64) & 1) ++by_camera;
-      }
-      shared = std::max(shared, by_camera);
-    }
+    int by_camera[kCamerasMax] = {};
+    for_each_sighting(keyframe(i), [&](int c, const Observation& sighting, const Landmark&) {
+      const uint16_t slot = sighting.landmark.slot;
+      by_camera[c] += in_window[slot / 64] >> (slot % 64) & 1 ? 1 : 0;
+    });
+    // By the camera that shares more: one of them may not have delivered.
+    const int shared = *std::max_element(std::begin(by_camera), std::end(by_camera));
     if (static_cast<float>(shared) >= params_.shared_points_min) {
       (void)candidates.push_back({static_cast<uint16_t>(i), shared});
     }
@@ -457,18 +445,15 @@ void Mapper::add_points(size_t window_begin) {
   std::fill(std::begin(place), std::end(place), kNone);
   uint16_t counts[Bundle::kPointsMax] = {};
   for (size_t i = order_.size(); i-- > window_begin;) {  // newest first: they matter most
-    for (const Observations& observations : keyframe(i).observations) {
-      for (const Observation& sighting : observations) {
-        if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
-        uint16_t& at = place[sighting.landmark.slot];
-        if (at != kNone) continue;
-        if (!bundle_points_.push_back(sighting.landmark)) {
-          ++counters_.bundle_full;
-          continue;
-        }
-        at = static_cast<uint16_t>(bundle_points_.size() - 1);
+    for_each_sighting(keyframe(i), [&](int, const Observation& sighting, const Landmark&) {
+      uint16_t& at = place[sighting.landmark.slot];
+      if (at != kNone) return;
+      if (!bundle_points_.push_back(sighting.landmark)) {
+        ++counters_.bundle_full;
+        return;
       }
-    }
+      at = static_cast<uint16_t>(bundle_points_.size() - 1);
+    });
   }
   struct Entry {
     Observation* observation;
@@ -477,13 +462,10 @@ void Mapper::add_points(size_t window_begin) {
   static FixedVector<Entry, Bundle::kObservationsMax> sorted;
   const auto for_each = [&](auto&& visit) {
     for (const Member& member : members_) {
-      for (int c = 0; c < kCamerasMax; ++c) {
-        for (Observation& sighting : keyframe(member.order).observations[c]) {
-          if (map_.landmarks.find(sighting.landmark) == nullptr) continue;
-          if (place[sighting.landmark.slot] == kNone) continue;
-          visit(place[sighting.landmark.slot], Entry{&sighting, member.frame, int16_t(c)});
-        }
-      }
+      for_each_sighting(keyframe(member.order), [&](int c, Observation& sighting, const Landmark&) {
+        const uint16_t at = place[sighting.landmark.slot];
+        if (at != kNone) visit(at, Entry{&sighting, member.frame, int16_t(c)});
+      });
     }
   };
   size_t total = 0;
@@ -574,13 +556,13 @@ void Mapper::remove_outliers() {
   }
 }
 
-// A point needs two views, and once its first keyframes are past, kViewsMin.
+// A point needs two views, and once its first keyframes are past, three.
 void Mapper::remove_weak_points() {
   const uint32_t newest = keyframe(order_.size() - 1).sequence;
   for (size_t slot = 0; slot < map_.landmarks.capacity(); ++slot) {
     const Landmark* landmark = map_.landmarks.at(slot);
     if (landmark == nullptr) continue;
-    const uint16_t wanted = newest - landmark->last_keyframe > 2 ? kViewsMin : 2;
+    const uint16_t wanted = newest - landmark->last_keyframe > 2 ? 3 : 2;
     if (landmark->views >= wanted) continue;
     (void)map_.landmarks.release(map_.landmarks.handle(slot));
     ++counters_.points_removed;

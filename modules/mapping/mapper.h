@@ -71,9 +71,19 @@ class Mapper {
   void publish(bool adjusted);
 
   Keyframe& keyframe(size_t order) { return *map_.keyframes.find(order_[order]); }
+  // Calls visit(camera, sighting, landmark) wherever the point is still in the map: a slot that was
+  // released may be another point's by now.
+  template <class Visit>
+  void for_each_sighting(Keyframe& keyframe, Visit&& visit) {
+    for (int c = 0; c < kCamerasMax; ++c) {
+      for (Observation& sighting : keyframe.observations[c]) {
+        Landmark* landmark = map_.landmarks.find(sighting.landmark);
+        if (landmark != nullptr) visit(c, sighting, *landmark);
+      }
+    }
+  }
 
   static constexpr int kViewsMax = 8;
-  static constexpr uint16_t kViewsMin = 3;  // of a point that is to stay
   static constexpr size_t kWeighedAtOnce = 64;
   Camera camera_[kCamerasMax];
   ImuNoise noise_;
@@ -85,6 +95,7 @@ class Mapper {
 
   Map map_;
   FixedVector<KeyframeId, kKeyframesMax> order_;  // live keyframes, oldest first
+  size_t weigh_next_ = 0;                         // place in order_
   Phase phase_ = Phase::kIdle;
   std::atomic<bool> busy_{false};
   std::atomic<uint32_t> finished_{0};  // sequence of the newest keyframe that is done with
@@ -97,12 +108,6 @@ class Mapper {
   int window_first_ = 0;                             // first free one in members_
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
   FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
-  size_t weigh_next_ = 0;                                          // place in order_
-  struct Forgettable {
-    uint32_t last_keyframe;
-    uint16_t views, slot;
-  };
-  FixedVector<Forgettable, kLandmarksMax> forgettable_;
   WindowPrior prior_;
   uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();

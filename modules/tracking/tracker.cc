@@ -471,26 +471,20 @@ int Tracker::locate(const Recognition& found, const Frontend* frontends) {
   return locator_.locate(found.T_WB, {kRecognised_rad, kRecognised_m, 0.2}, correspondences_);
 }
 
-// A place of this very map is seen again, but not where it should be: the way since was off, and
-// mapping spreads that over it.
-// Points now tracked that are as old as the place found: that pose stands on them already.
-int Tracker::held_of(const Recognition& found, const Frontend* frontends) const {
-  FixedVector<uint32_t, kCamerasMax * kTracksMax> seen;
-  for (const Recognition::Match& match : found.matches) {
-    (void)seen.push_back(view_.find(match.landmark)->last_keyframe);
-  }
-  uint32_t* const middle = seen.begin() + seen.size() / 2;
-  std::nth_element(seen.begin(), middle, seen.end());
-  int held = 0;
+// Points now tracked that this keyframe or an earlier one made.
+int Tracker::tracked_made_by(uint32_t keyframe, const Frontend* frontends) const {
+  int count = 0;
   for (int c = 0; c < kCamerasMax; ++c) {
     for (const Track& track : frontends[c].tracks()) {
       const MapPoint* point = view_.find(track.landmark);
-      held += point != nullptr && point->first_keyframe <= *middle ? 1 : 0;
+      count += point != nullptr && point->first_keyframe <= keyframe ? 1 : 0;
     }
   }
-  return held;
+  return count;
 }
 
+// A place of this very map is seen again, but not where it should be: the way since was off, and
+// mapping spreads that over it.
 bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   if (to_seconds(t - last_loop_t_) < params_.tracker.loop_every_s) return false;
   last_loop_t_ = t;
@@ -516,8 +510,15 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
     ++counters_.loops_implausible;
     return false;
   }
-  const auto matches = static_cast<float>(found.matches.size());
-  if (static_cast<float>(held_of(found, frontends)) > params_.tracker.loop_held_max * matches) {
+  FixedVector<uint32_t, kCamerasMax * kTracksMax> last_seen;
+  for (const Recognition::Match& match : found.matches) {
+    (void)last_seen.push_back(view_.find(match.landmark)->last_keyframe);
+  }
+  std::sort(last_seen.begin(), last_seen.end());
+  // So many points are tracked that are as old: the pose stands on them already.
+  const int held = tracked_made_by(last_seen[last_seen.size() / 2], frontends);
+  if (static_cast<float>(held) >
+      params_.tracker.loop_held_max * static_cast<float>(last_seen.size())) {
     ++counters_.loops_held;
     return false;
   }
@@ -528,11 +529,7 @@ bool Tracker::try_close(TimeNs t, Frontend* frontends) {
   message->close = true;
   message->off = off;
   message->off_cov = R;
-  message->closes_to = 0;
-  for (const Recognition::Match& match : found.matches) {
-    const MapPoint* point = view_.find(match.landmark);
-    message->closes_to = std::max(message->closes_to, point->last_keyframe);
-  }
+  message->closes_to = last_seen.back();
   xi.head<2>().setZero();
   T_join_ = motion_of(xi, T_WB.p);
   end_keyframe(*message);

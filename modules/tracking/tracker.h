@@ -100,7 +100,7 @@ class Tracker {
   void maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   bool try_join(TimeNs t, Frontend* frontends);
   bool try_close(TimeNs t, Frontend* frontends);
-  int held_of(const Recognition& found, const Frontend* frontends) const;
+  int tracked_made_by(uint32_t keyframe, const Frontend* frontends) const;
   static void adopt(const Recognition& found, Frontend* frontends);
   int locate(const Recognition& found, const Frontend* frontends);
   void lose();
