@@ -121,7 +121,8 @@ void Door::note_frame_step(TimeNs raw) {
   }
   // From above towards the true one, whatever is lost.
   if (frame_period_ == 0) frame_period_ = step > 0 && step < clock_step_ ? step : 0;
-  if (step > 0 && 2 * step < 3 * frame_period_) frame_period_ += (step - frame_period_) / 8;
+  const bool near = step > 0 && step < frame_period_ + frame_period_ / 2;
+  if (near) frame_period_ += (step - frame_period_) / 8;
 }
 
 // When both clocks are set together, the second step takes back the first one's doubt; so does a

@@ -434,6 +434,17 @@ TEST(door, stamps_beyond_any_time_are_dropped) {
   }
 }
 
+TEST(door, stamps_may_be_as_far_apart_as_stamps_can) {
+  Script s;
+  s.imu_until(0, 100 * kMs);
+  s.frame(20 * kMs);
+  s.frame(-kStampMax);
+  s.frame(kStampMax);
+  EXPECT_EQ(frame_times(s.all()), std::vector<TimeNs>{20 * kMs});
+  EXPECT_EQ(s.lost(DoorLoss::kFrameBackwards), 1u);
+  EXPECT_EQ(s.lost(DoorLoss::kFrameWithoutImu), 1u);
+}
+
 // Frames every 50 ms for a second, from the tenth on `jump` later; likewise the IMU's samples.
 void run_with_jumps(Script& s, TimeNs cameras, TimeNs imu) {
   const TimeNs begin = 10'000 * kMs;
