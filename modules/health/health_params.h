@@ -1,4 +1,4 @@
-// Limits of health and standstill detection. Units and meaning are in the rows.
+// Limits of health. Units and meaning are in the rows.
 #pragma once
 
 #include <iterator>
@@ -18,15 +18,6 @@ struct HealthParams {
   float sigma_half_m = 0.25f;
   float jump_m = 0.05f;
   float jump_rad = 0.02f;
-  float standstill_window = 64.0f;
-  float standstill_gyro_rad_s = 0.02f;
-  float standstill_accel_m_s2 = 0.25f;
-  float standstill_gravity_m_s2 = 0.5f;
-  float standstill_rate_rad_s = 0.02f;
-  float standstill_force_m_s2 = 0.3f;
-  float standstill_patience_s = 3.0f;
-  float standstill_image_px = 0.3f;
-  float standstill_image_s = 0.5f;
 };
 
 inline constexpr ParamRow<HealthParams> kHealthRows[] = {
@@ -46,24 +37,6 @@ inline constexpr ParamRow<HealthParams> kHealthRows[] = {
      "position sigma that halves the confidence"},
     {"jump_m", &HealthParams::jump_m, 0.001f, 10, "m", "a correction larger than this is a jump"},
     {"jump_rad", &HealthParams::jump_rad, 1e-4f, 3, "rad", "or one that turns by more than this"},
-    {"standstill_window", &HealthParams::standstill_window, 8, 256, "samples",
-     "IMU samples that a standstill is judged on"},
-    {"standstill_gyro_rad_s", &HealthParams::standstill_gyro_rad_s, 1e-4f, 1, "rad/s",
-     "largest spread of the rate at rest"},
-    {"standstill_accel_m_s2", &HealthParams::standstill_accel_m_s2, 1e-3f, 10, "m/s^2",
-     "largest spread of the force at rest"},
-    {"standstill_gravity_m_s2", &HealthParams::standstill_gravity_m_s2, 0.01f, 10, "m/s^2",
-     "largest difference of the mean force's size from gravity at rest"},
-    {"standstill_rate_rad_s", &HealthParams::standstill_rate_rad_s, 1e-3f, 1, "rad/s",
-     "largest difference of the mean rate from the bias as rest begins; half of it ends rest"},
-    {"standstill_force_m_s2", &HealthParams::standstill_force_m_s2, 0.01f, 10, "m/s^2",
-     "largest difference of the mean force from what the pose says as rest begins; half ends rest"},
-    {"standstill_patience_s", &HealthParams::standstill_patience_s, 0.1f, 60, "s",
-     "rest is believed against both after this long: a bad start may have got them wrong"},
-    {"standstill_image_px", &HealthParams::standstill_image_px, 0.05f, 10, "px",
-     "a track that goes further than this from its place moves"},
-    {"standstill_image_s", &HealthParams::standstill_image_s, 0.05f, 10, "s",
-     "a track stands once it has not done so for this long"},
 };
 static_assert(sizeof(HealthParams) == std::size(kHealthRows) * sizeof(float));
 

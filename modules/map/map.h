@@ -13,6 +13,7 @@
 #include "core/store/pool.h"
 #include "modules/frontend/frontend.h"
 #include "modules/imu/preintegration.h"
+#include "modules/state/body_state.h"
 
 namespace pirvs {
 
@@ -33,14 +34,6 @@ struct Landmark {
   uint32_t last_keyframe = 0;           // of the newest that saw it
   TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
   uint16_t epoch = 0;                   // of the keyframe that made it
-};
-
-// The state of the body at one instant.
-struct BodyState {
-  TimeNs t = 0;
-  SE3 T_WB;
-  Vec3 v_WB = Vec3::Zero();
-  Vec3 b_g = Vec3::Zero(), b_a = Vec3::Zero();
 };
 
 struct Observation {
@@ -71,77 +64,12 @@ struct Map {
   Pool<Keyframe, kKeyframesMax> keyframes;
 };
 
-// What tracking needs of a landmark, copied out of the map so that both sides can run at once.
-struct MapPoint {
-  LandmarkId id;
-  Vec3 p_W;
-  Mat3 cov;
-  Descriptor descriptor;
-  Vec3 view_W;
-  float distance_m;
-  TrackId track[kCamerasMax];
-  bool in_newest;           // the newest keyframe saw it: `track` is complete
-  uint32_t first_keyframe;  // that made it
-  uint32_t last_keyframe;   // the newest that saw it
-  uint16_t epoch;
-};
-
-// Mapping's word to tracking after each adjustment, by mailbox.
-struct MapSnapshot {
-  uint32_t keyframe = 0;      // sequence of the newest adjusted keyframe
-  uint16_t epoch = 0;         // of that keyframe
-  bool adjusted = false;      // the adjustment succeeded: state and cov hold
-  BodyState state;            // of that keyframe, refined
-  Mat15 cov = Mat15::Zero();  // of that state against the map: theta, p, v, b_g, b_a
-  Mat6 error = Mat6::Zero();  // of the map there: map_error.h, about the place of that state
-  FixedVector<MapPoint, kLandmarksMax> points;
-};
-
-// Tracking's word to mapping, by ring: a new keyframe as it was tracked.
-struct KeyframeMessage {
-  uint32_t sequence = 0;
-  BodyState state;
-  Observations observations[kCamerasMax];
-  Preintegration from_previous;
-  bool linked = false;
-  bool adjust = true;  // false: more keyframes follow at once (start-up)
-  uint16_t epoch = 0;
-  bool restart = false;       // a start: nothing links it to the keyframe before
-  Mat6 error = Mat6::Zero();  // of a start: how uncertain its place is, map_error.h
-  bool renew = false;         // in place of the keyframe before
-  // The place was recognised: what `joining` made moves by `T_join` and belongs to `epoch` from
-  // now.
-  bool join = false;
-  uint16_t joining = 0;
-  SE3 T_join;  // a turn about the vertical and a shift
-  // An old place was recognised: keyframes after `closes_to` are off, this one by a turn about the
-  // vertical and a shift, of covariance off_cov (loop_closure.h). Some observations name old
-  // points.
-  bool close = false;
-  uint32_t closes_to = 0;
-  Vec4 off = Vec4::Zero();
-  Mat4 off_cov = Mat4::Identity();
-  bool at_rest = false;  // the body stands still: its velocity is known to be zero
-};
-
 // ---- what a rigid motion T of W does ----------------------------------------------------------
-
-inline void move(const SE3& T, BodyState& state) {
-  state.T_WB = T * state.T_WB;
-  state.v_WB = T.R * state.v_WB;
-}
 
 inline void move(const SE3& T, Landmark& point) {
   point.p_W = T * point.p_W;
   point.cov = (T.R * point.cov * T.R.transpose()).eval();
   point.view_W = T.R * point.view_W;
-}
-
-// To a state's error: place and velocity are told in W, the attitude's error in B.
-inline Mat15 turn_of_error(const SE3& T) {
-  Mat15 A = Mat15::Identity();
-  A.block<3, 3>(3, 3) = A.block<3, 3>(6, 6) = T.R;
-  return A;
 }
 
 }  // namespace pirvs

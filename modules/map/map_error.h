@@ -5,7 +5,7 @@
 // Frames  theta and p in W. State errors: theta (in B, right), p, v (in W), b_g, b_a.
 // Units   rad, m.
 // Errors  none. Cost: ~0.3 us each.
-// Source  own; docs/adr/7.
+// Source  own; docs/adr/0007-error-of-the-map.md.
 #pragma once
 
 #include "core/math/so3.h"
@@ -42,6 +42,18 @@ inline Mat6 error_of_pose(const Mat3& R_WB, const Mat6& cov) {
   Mat6 A = Mat6::Identity();
   A.block<3, 3>(0, 0) = R_WB;
   return A * cov * A.transpose();
+}
+
+// The four of (theta, p) that gravity does not tell.
+inline Vec4 gauge_of(const Vec6& xi) { return xi.tail<4>(); }
+inline Mat4 gauge_of(const Mat6& cov) { return cov.bottomRightCorner<4, 4>(); }
+
+// The rigid motion of a correction about the place p_W: what it does to all that is near.
+inline SE3 motion_of(const Vec6& xi, const Vec3& p_W) {
+  SE3 T;
+  T.R = so3_exp(xi.head<3>());
+  T.p = p_W + xi.tail<3>() - T.R * p_W;
+  return T;
 }
 
 }  // namespace pirvs

@@ -10,7 +10,7 @@
 #include "core/base/assert.h"
 #include "core/math/dense_solver.h"
 #include "core/math/so3.h"
-#include "modules/tracking/filter.h"
+#include "modules/state/body_state.h"
 
 namespace pirvs {
 namespace {

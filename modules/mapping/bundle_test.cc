@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/math/so3.h"
+#include "modules/state/body_state.h"
 #include "modules/testing.h"
-#include "modules/tracking/filter.h"
 
 namespace pirvs {
 namespace {

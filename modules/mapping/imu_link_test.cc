@@ -5,8 +5,8 @@
 #include <random>
 
 #include "core/math/so3.h"
+#include "modules/state/body_state.h"
 #include "modules/testing.h"
-#include "modules/tracking/filter.h"
 
 namespace pirvs {
 namespace {

@@ -26,11 +26,4 @@ void spread_loop(const LoopStep* steps, int count, const Vec4& off, const Mat4& 
   }
 }
 
-SE3 motion_of(const Vec6& xi, const Vec3& p_W) {
-  SE3 T;
-  T.R = so3_exp(xi.head<3>());
-  T.p = p_W + xi.tail<3>() - T.R * p_W;
-  return T;
-}
-
 }  // namespace pirvs

@@ -24,14 +24,7 @@ struct LoopCorrection {
   Mat6 left = Mat6::Zero();
 };
 
-// The four of (theta, p) that gravity does not tell.
-inline Vec4 gauge_of(const Vec6& xi) { return xi.tail<4>(); }
-inline Mat4 gauge_of(const Mat6& cov) { return cov.bottomRightCorner<4, 4>(); }
-
 void spread_loop(const LoopStep* steps, int count, const Vec4& off, const Mat4& R,
                  LoopCorrection* out);
-
-// The rigid motion of a correction about the place p_W: what it does to all that is near.
-SE3 motion_of(const Vec6& xi, const Vec3& p_W);
 
 }  // namespace pirvs

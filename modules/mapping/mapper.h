@@ -9,11 +9,11 @@
 #include <atomic>
 
 #include "modules/map/map.h"
+#include "modules/map/messages.h"
 #include "modules/mapping/bundle.h"
 #include "modules/mapping/loop_closure.h"
 #include "modules/mapping/mapping_params.h"
-#include "modules/mapping/triangulate.h"
-#include "modules/tracking/tracker.h"
+#include "modules/matching/triangulate.h"
 
 namespace pirvs {
 

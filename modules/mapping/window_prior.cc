@@ -4,7 +4,7 @@
 #include <Eigen/LU>
 
 #include "core/math/so3.h"
-#include "modules/tracking/filter.h"
+#include "modules/state/body_state.h"
 
 namespace pirvs {
 namespace {
@@ -80,7 +80,7 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
 
 void move(const SE3& T, WindowPrior& prior) {
   move(T, prior.mean);
-  const Mat15 A = turn_of_error(T);
+  const Mat15 A = error_transform(T);
   prior.information = (A * prior.information * A.transpose()).eval();
   prior.gradient = (A * prior.gradient).eval();
 }

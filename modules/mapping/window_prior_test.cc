@@ -7,8 +7,8 @@
 #include <Eigen/LU>
 
 #include "core/math/so3.h"
+#include "modules/state/body_state.h"
 #include "modules/testing.h"
-#include "modules/tracking/filter.h"
 
 namespace pirvs {
 namespace {

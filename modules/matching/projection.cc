@@ -60,7 +60,7 @@ const MapPoint* MapView::find(LandmarkId id) const {
 }
 
 int match_by_projection(const MapView& view, const PosePrediction& pose, const Camera& camera,
-                        const TrackerParams& params, Tracks& tracks) {
+                        const MatchingParams& params, Tracks& tracks) {
   FixedVector<uint16_t, kTracksMax> open;  // tracks that look for a point
   static_assert(kLandmarksMax % 64 == 0);
   uint64_t taken[kLandmarksMax / 64] = {};  // points that a track already follows, by slot

@@ -9,8 +9,8 @@
 #pragma once
 
 #include "core/camera/camera.h"
-#include "modules/map/map.h"
-#include "modules/tracking/tracking_params.h"
+#include "modules/map/messages.h"
+#include "modules/matching/matching_params.h"
 
 namespace pirvs {
 
@@ -42,6 +42,6 @@ struct PosePrediction {
 
 // Returns the number of new associations.
 int match_by_projection(const MapView& view, const PosePrediction& pose, const Camera& camera,
-                        const TrackerParams& params, Tracks& tracks);
+                        const MatchingParams& params, Tracks& tracks);
 
 }  // namespace pirvs

@@ -69,7 +69,7 @@ struct Scene {
   Rig rig;
   SE3 T_WB;
   PosePrediction pose;
-  TrackerParams params;
+  MatchingParams params;
   Tracks tracks;
   std::unique_ptr<MapSnapshot> snapshot = std::make_unique<MapSnapshot>();
   std::unique_ptr<MapView> view = std::make_unique<MapView>();

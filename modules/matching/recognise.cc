@@ -33,7 +33,7 @@ Vec3 turned_back(const Vec3& p_W, double c, double s) {
 
 }  // namespace
 
-void Recogniser::configure(const Camera* cameras, int count, const TrackerParams& params) {
+void Recogniser::configure(const Camera* cameras, int count, const MatchingParams& params) {
   for (int c = 0; c < count; ++c) camera_[c] = cameras[c];
   cameras_ = count;
   params_ = params;

@@ -31,7 +31,7 @@ struct Recognition {
 
 class Recogniser {
  public:
-  void configure(const Camera* cameras, int count, const TrackerParams& params);
+  void configure(const Camera* cameras, int count, const MatchingParams& params);
   bool solve(const MapView& view, PlaceRule rule, const Mat3& R_WB, const Tracks* const* tracks,
              Recognition& out);
 
@@ -56,7 +56,7 @@ class Recogniser {
 
   Camera camera_[kCamerasMax];
   int cameras_ = 0;
-  TrackerParams params_;
+  MatchingParams params_;
   FixedVector<uint16_t, kLandmarksMax> candidates_;  // points of the view
   FixedVector<Pair, kCamerasMax * kTracksMax> pairs_;
 };

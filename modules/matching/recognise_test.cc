@@ -31,7 +31,7 @@ struct Case {
     for (int i = 0; i < 300; ++i) add_point(i);
     look();
     view->assign(*snapshot, SE3{}, rig.camera, kCamerasMax);
-    recogniser->configure(rig.camera, kCamerasMax, TrackerParams{});
+    recogniser->configure(rig.camera, kCamerasMax, MatchingParams{});
   }
   void add_point(int i) {
     const double x = random.uniform(2, 8);

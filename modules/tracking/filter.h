@@ -71,8 +71,4 @@ class Filter {
   bool has_sample_ = false;
 };
 
-// x [+] delta: R Exp(d_theta), the rest added. Shared with mapping's tests.
-BodyState boxplus(const BodyState& state, const Vec15& delta);
-Vec15 boxminus(const BodyState& a, const BodyState& b);
-
 }  // namespace pirvs

@@ -16,12 +16,12 @@
 #include "core/base/status.h"
 #include "core/camera/camera.h"
 #include "modules/imu/imu_window.h"
-#include "modules/map/map.h"
+#include "modules/map/messages.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
 
-using StartKeyframes = FixedVector<KeyframeMessage, 14>;
+using StartKeyframes = FixedVector<KeyframeMessage, kStartKeyframesMax>;
 
 struct MonoStart {
   enum : int { kBg = 0, kBa = 3, kVel = 6, kGravity = 9, kUnknowns = 11 };

@@ -8,7 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/math/so3.h"
-#include "modules/mapping/triangulate.h"
+#include "modules/matching/triangulate.h"
 
 namespace pirvs {
 namespace {
@@ -284,7 +284,7 @@ void Starter::seal_keyframes() {
 void Starter::move(const SE3& T) {
   for (KeyframeMessage& message : keyframes_) pirvs::move(T, message.state);
   state_ = keyframes_.back().state;
-  const Mat15 A = turn_of_error(T);
+  const Mat15 A = error_transform(T);
   cov_ = (A * cov_ * A.transpose()).eval();
 }
 

@@ -12,7 +12,7 @@
 //         section V.B (gyro bias, gravity on its sphere).
 #pragma once
 
-#include "modules/health/standstill.h"
+#include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/mono_start.h"
 #include "modules/tracking/tracking_params.h"

@@ -25,7 +25,7 @@ struct Start {
       points.push_back(Vec3(x, random.uniform(-0.5, 0.5) * x, random.uniform(-0.35, 0.35) * x));
     }
     starter->configure(rig.camera, ImuNoise{}, FilterParams{}, params);
-    standstill.configure(health);
+    standstill.configure(limits);
     standstill.reset();
     for (int i = 0; i < 48; ++i) {
       Track track;
@@ -116,7 +116,7 @@ struct Start {
   Sway sway;
   double pixel_noise = 0.3, image_motion_px = 5, force_scale = 1;
   TrackerParams params;
-  HealthParams health;
+  StandstillParams limits;
   StandstillDetector standstill;
   std::unique_ptr<Starter> starter = std::make_unique<Starter>();
   std::vector<Vec3> points;

@@ -43,8 +43,8 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
   starter_.configure(cameras, noise, params.filter, params.tracker);
   stereo_.configure(cameras[0], cameras[1], params.stereo);
   health_.configure(params.health);
-  standstill_.configure(params.health);
-  recogniser_.configure(cameras, count, params.tracker);
+  standstill_.configure(params.standstill);
+  recogniser_.configure(cameras, count, params.matching);
   view_.clear();
 }
 
@@ -136,7 +136,7 @@ void Tracker::take_snapshot(Frontend* frontends) {
 void Tracker::carry_over() {
   BodyState state = filter_.state();
   move(T_join_, state);
-  const Mat15 A = turn_of_error(T_join_);
+  const Mat15 A = error_transform(T_join_);
   filter_.reset(state, A * filter_.cov() * A.transpose());
   filter_.propagate(last_imu_);
   holding_ = false;
@@ -200,7 +200,7 @@ void Tracker::match(Frontend* frontends) {
   const PosePrediction pose{filter_.state().T_WB, filter_.cov().topLeftCorner<6, 6>()};
   for (int c = 0; c < cameras_; ++c) {
     counters_.matched_by_projection += static_cast<uint32_t>(
-        match_by_projection(view_, pose, camera_[c], params_.tracker, frontends[c].tracks()));
+        match_by_projection(view_, pose, camera_[c], params_.matching, frontends[c].tracks()));
   }
 }
 

@@ -8,29 +8,25 @@
 // Source  PIRVS paper, sections IV.A to IV.C.
 #pragma once
 
-#include "core/store/mailbox.h"
-#include "core/store/ring.h"
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
-#include "modules/health/standstill.h"
 #include "modules/map/map_error.h"
-#include "modules/mapping/loop_closure.h"
+#include "modules/map/messages.h"
 #include "modules/matching/projection.h"
 #include "modules/matching/recognise.h"
 #include "modules/matching/stereo.h"
+#include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/starter.h"
 
 namespace pirvs {
 
-inline constexpr size_t kKeyframeRing = Starter::kKeyframesMax + 2;  // a whole start, and slack
-using KeyframeRing = Ring<KeyframeMessage, kKeyframeRing>;
-using MapMailbox = Mailbox<MapSnapshot>;
-
 struct TrackingParams {
   FilterParams filter;
   TrackerParams tracker;
   StereoParams stereo;
+  MatchingParams matching;
+  StandstillParams standstill;
   HealthParams health;
 };
 

@@ -51,10 +51,6 @@ struct TrackerParams {
   float keyframe_matched_ratio_min = 0.6f;
   float keyframe_interval_s_min = 0.12f;
   float keyframe_interval_s_max = 1.0f;
-  float match_distance_max = 60.0f;
-  float match_ratio_max = 0.85f;
-  float match_radius_px_min = 3.0f;
-  float match_radius_px_max = 20.0f;
   float misses_max = 3.0f;
   float start_s = 0.7f;
   float start_keyframe_s = 0.14f;
@@ -62,8 +58,6 @@ struct TrackerParams {
   float start_mono_after_s = 0.5f;
   float recognise_every_s = 0.2f;
   float recognise_wait_s = 0.5f;
-  float recognise_matches_min = 12.0f;
-  float loop_keyframes_min = 30.0f;
   float loop_every_s = 0.5f;
   float loop_matches_min = 30.0f;
   float loop_held_max = 1.5f;
@@ -81,14 +75,6 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "shortest time between keyframes"},
     {"keyframe_interval_s_max", &TrackerParams::keyframe_interval_s_max, 0.1f, 60, "s",
      "longest time between keyframes while moving"},
-    {"match_distance_max", &TrackerParams::match_distance_max, 1, 256, "bit",
-     "worst descriptor distance of a match by projection"},
-    {"match_ratio_max", &TrackerParams::match_ratio_max, 0.1f, 1, "1",
-     "best over second best descriptor distance"},
-    {"match_radius_px_min", &TrackerParams::match_radius_px_min, 0.5f, 50, "px",
-     "smallest search window of a projected point"},
-    {"match_radius_px_max", &TrackerParams::match_radius_px_max, 1, 200, "px",
-     "largest search window of a projected point"},
     {"misses_max", &TrackerParams::misses_max, 0, 50, "frames",
      "a track gated out more often in a row is dropped"},
     {"start_s", &TrackerParams::start_s, 0.2f, 2, "s", "time that a start looks at"},
@@ -102,10 +88,6 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
      "time between looks for an old place while the place is unknown"},
     {"recognise_wait_s", &TrackerParams::recognise_wait_s, 0, 60, "s",
      "after blindness, mapping waits this long for the place to be recognised"},
-    {"recognise_matches_min", &TrackerParams::recognise_matches_min, 4, 200, "1",
-     "matches that fit one pose and make a place recognised"},
-    {"loop_keyframes_min", &TrackerParams::loop_keyframes_min, 5, 384, "1",
-     "a point seen last so many keyframes ago is old: where it is found again, a loop closes"},
     {"loop_every_s", &TrackerParams::loop_every_s, 0, 60, "s", "time between looks for a loop"},
     {"loop_matches_min", &TrackerParams::loop_matches_min, 4, 400, "1",
      "matches with old points that fit one pose and close a loop"},

@@ -12,7 +12,7 @@
 
 #include <string>
 
-#include "modules/app/calibration.h"
+#include "modules/calibration/calibration.h"
 
 namespace pirvs::tools {
 

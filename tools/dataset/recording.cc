@@ -4,7 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "modules/app/calibration_check.h"
+#include "modules/calibration/calibration_check.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/pack_file.h"

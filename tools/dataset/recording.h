@@ -17,7 +17,7 @@
 
 #include "bsp/api/imu.h"
 #include "core/kernels/image.h"
-#include "modules/app/calibration.h"
+#include "modules/calibration/calibration.h"
 #include "tools/dataset/trajectory.h"
 
 namespace pirvs::tools {

@@ -6,6 +6,8 @@
 #include "modules/frontend/frontend_params.h"
 #include "modules/health/health_params.h"
 #include "modules/mapping/mapping_params.h"
+#include "modules/matching/matching_params.h"
+#include "modules/standstill/standstill_params.h"
 #include "modules/tracking/tracking_params.h"
 #include "tools/dataset/input_error.h"
 
@@ -21,6 +23,8 @@ void for_each_group(Params& p, Visit&& visit) {
   visit("stereo", p.tracking.stereo, kStereoRows);
   visit("tracker", p.tracking.tracker, kTrackerRows);
   visit("filter", p.tracking.filter, kFilterRows);
+  visit("matching", p.tracking.matching, kMatchingRows);
+  visit("standstill", p.tracking.standstill, kStandstillRows);
   visit("health", p.tracking.health, kHealthRows);
   visit("mapping", p.mapping, kMappingRows);
 }

@@ -9,7 +9,7 @@
 
 #include <string>
 
-#include "modules/app/calibration.h"
+#include "modules/calibration/calibration.h"
 
 namespace pirvs::tools {
 

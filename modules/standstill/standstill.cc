@@ -1,4 +1,4 @@
-#include "modules/health/standstill.h"
+#include "modules/standstill/standstill.h"
 
 #include <algorithm>
 #include <cmath>
@@ -52,7 +52,7 @@ void StandstillDetector::reset() {
 }
 
 void StandstillDetector::add_imu(const ImuSample& sample) {
-  const int window = std::min(kWindowMax, static_cast<int>(params_.standstill_window));
+  const int window = std::min(kWindowMax, static_cast<int>(params_.window_samples));
   window_[next_] = sample;
   next_ = (next_ + 1) % window;
   count_ = std::min(count_ + 1, window);
@@ -82,7 +82,7 @@ void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, doubl
   for (Track& track : tracks) {
     if (track.age == 0) continue;
     const bool stood = stands(track);
-    follow(track, dt_s, params_.standstill_image_px);
+    follow(track, dt_s, params_.image_px);
     if (stands(track)) {
       settle(track, stood);
       ++standing_;
@@ -125,21 +125,21 @@ void StandstillDetector::take_means() {
 }
 
 bool StandstillDetector::imu_quiet() const {
-  return count_ >= static_cast<int>(params_.standstill_window) &&
-         w_sigma_ < params_.standstill_gyro_rad_s && f_sigma_ < params_.standstill_accel_m_s2 &&
-         std::fabs(f_mean_.norm() - kGravity_m_s2) < params_.standstill_gravity_m_s2;
+  return count_ >= static_cast<int>(params_.window_samples) && w_sigma_ < params_.gyro_rad_s &&
+         f_sigma_ < params_.accel_m_s2 &&
+         std::fabs(f_mean_.norm() - kGravity_m_s2) < params_.gravity_m_s2;
 }
 
 bool StandstillDetector::as_expected(const Expected& expected) const {
-  return !expected.known || ((w_mean_ - expected.w_B).norm() < params_.standstill_rate_rad_s &&
-                             (f_mean_ - expected.f_B).norm() < params_.standstill_force_m_s2);
+  return !expected.known || ((w_mean_ - expected.w_B).norm() < params_.rate_rad_s &&
+                             (f_mean_ - expected.f_B).norm() < params_.force_m_s2);
 }
 
 // At rest any change against what the IMU settled on is a motion: of the device, or of the device
 // with all that it sees.
 bool StandstillDetector::stays() const {
-  return (w_last_ - w_rest_).norm() < 0.5 * params_.standstill_rate_rad_s &&
-         (f_last_ - f_rest_).norm() < 0.5 * params_.standstill_force_m_s2;
+  return (w_last_ - w_rest_).norm() < 0.5 * params_.rate_rad_s &&
+         (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
 }
 
 void StandstillDetector::judge(double dt_s, const Expected& expected) {
@@ -166,8 +166,8 @@ void StandstillDetector::judge(double dt_s, const Expected& expected) {
   }
   patience_s_ += dt_s;
   const bool doubtful = !as_expected(expected) || (pushed_ && !stays());
-  if (doubtful && patience_s_ < params_.standstill_patience_s) return;
-  rest_s_ = params_.standstill_image_s;
+  if (doubtful && patience_s_ < params_.patience_s) return;
+  rest_s_ = params_.image_s;
   pushed_ = false;
   w_rest_ = w_mean_;
   f_rest_ = f_mean_;

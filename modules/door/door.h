@@ -15,11 +15,11 @@
 
 #include "bsp/api/camera.h"
 #include "bsp/api/imu.h"
-#include "modules/app/calibration.h"
-#include "modules/app/door_loss.h"
-#include "modules/app/door_params.h"
-#include "modules/app/image_guard.h"
-#include "modules/app/imu_guard.h"
+#include "modules/calibration/calibration.h"
+#include "modules/door/door_loss.h"
+#include "modules/door/door_params.h"
+#include "modules/door/image_guard.h"
+#include "modules/door/imu_guard.h"
 
 namespace pirvs {
 

@@ -10,8 +10,8 @@
 #include "bsp/api/camera.h"
 #include "core/base/limits.h"
 #include "core/camera/camera.h"
-#include "modules/app/door_loss.h"
-#include "modules/app/door_params.h"
+#include "modules/door/door_loss.h"
+#include "modules/door/door_params.h"
 
 namespace pirvs {
 

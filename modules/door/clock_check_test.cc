@@ -1,11 +1,11 @@
-#include "modules/app/clock_check.h"
+#include "modules/door/clock_check.h"
 
 #include <gtest/gtest.h>
 
 #include <memory>
 #include <vector>
 
-#include "modules/app/door_params.h"
+#include "modules/door/door_params.h"
 #include "modules/testing.h"
 
 namespace pirvs {

@@ -1,4 +1,4 @@
-#include "modules/app/imu_guard.h"
+#include "modules/door/imu_guard.h"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "modules/app/calibration_check.h"
+#include "modules/calibration/calibration_check.h"
 
 #include <Eigen/LU>
 #include <cmath>

@@ -8,7 +8,7 @@
 //         another resolution's intrinsics, variances for densities.
 #pragma once
 
-#include "modules/app/calibration.h"
+#include "modules/calibration/calibration.h"
 
 namespace pirvs {
 

@@ -1,4 +1,4 @@
-#include "modules/app/clock_check.h"
+#include "modules/door/clock_check.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

@@ -1,4 +1,4 @@
-#include "modules/app/image_guard.h"
+#include "modules/door/image_guard.h"
 
 #include <cstring>
 

@@ -1,4 +1,4 @@
-#include "modules/mapping/triangulate.h"
+#include "modules/matching/triangulate.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "modules/health/standstill.h"
+#include "modules/standstill/standstill.h"
 
 #include <gtest/gtest.h>
 
@@ -62,7 +62,7 @@ struct Case {
     return 0;
   }
 
-  HealthParams params;
+  StandstillParams params;
   StandstillDetector detector;
   StandstillDetector::Expected expected;
   Random random{6};
@@ -77,20 +77,20 @@ TEST(standstill, rest_is_seen_and_its_means_are_measured) {
   Case c;
   const int k = c.run_to_rest(40);
   ASSERT_GT(k, 0);
-  EXPECT_NEAR(k * kFrame_s, c.params.standstill_image_s, kFrame_s + 1e-6);
-  EXPECT_NEAR(c.detector.rest_s(), c.params.standstill_image_s, 1e-6);
+  EXPECT_NEAR(k * kFrame_s, c.params.image_s, kFrame_s + 1e-6);
+  EXPECT_NEAR(c.detector.rest_s(), c.params.image_s, 1e-6);
   EXPECT_EQ(c.detector.samples(), 64);
   EXPECT_LT((c.detector.mean_rate_B() - c.w_B).norm(), 0.002);
   EXPECT_LT((c.detector.last_rate_B() - c.w_B).norm(), 0.003);
   EXPECT_LT((c.detector.mean_force_B() - c.f_B).norm(), 0.02);
   EXPECT_LT((c.detector.last_force_B() - c.f_B).norm(), 0.04);
   for (int i = 0; i < 20; ++i) EXPECT_TRUE(c.still());
-  EXPECT_NEAR(c.detector.rest_s(), c.params.standstill_image_s + 1, 1e-6);
+  EXPECT_NEAR(c.detector.rest_s(), c.params.image_s + 1, 1e-6);
 }
 
 TEST(standstill, needs_a_full_window_of_samples) {
   Case c;
-  c.params.standstill_window = 200;  // 20 frames
+  c.params.window_samples = 200;  // 20 frames
   c.detector.configure(c.params);
   EXPECT_EQ(c.run_to_rest(40), 20);
 }
@@ -210,11 +210,11 @@ TEST(standstill, what_the_pose_denies_is_believed_late) {
     c.expected = {true, c.w_B, c.f_B};
     (turning ? c.w_B.z() : c.f_B.y()) += turning ? 0.03 : 0.4;
     const int k = c.run_to_rest(100);
-    EXPECT_NEAR(k * kFrame_s, c.params.standstill_image_s + c.params.standstill_patience_s, 0.11);
+    EXPECT_NEAR(k * kFrame_s, c.params.image_s + c.params.patience_s, 0.11);
   }
   Case agreed;
   agreed.expected = {true, agreed.w_B, agreed.f_B};
-  EXPECT_NEAR(agreed.run_to_rest(100) * kFrame_s, agreed.params.standstill_image_s, 0.051);
+  EXPECT_NEAR(agreed.run_to_rest(100) * kFrame_s, agreed.params.image_s, 0.051);
 }
 
 // Something passes before a tracked point and takes the track along a little; another slides
@@ -242,7 +242,7 @@ TEST(standstill, after_a_push_that_no_image_shows_rest_comes_late) {
   Case c;
   ASSERT_GT(c.run_to_rest(40), 0);
   c.f_B.x() += 0.4;
-  EXPECT_NEAR(c.run_to_rest(200) * kFrame_s, c.params.standstill_patience_s, 0.3);
+  EXPECT_NEAR(c.run_to_rest(200) * kFrame_s, c.params.patience_s, 0.3);
   Case returned;
   ASSERT_GT(returned.run_to_rest(40), 0);
   returned.f_B.x() += 0.4;

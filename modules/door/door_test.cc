@@ -1,4 +1,4 @@
-#include "modules/app/door.h"
+#include "modules/door/door.h"
 
 #include <gtest/gtest.h>
 

@@ -12,8 +12,8 @@
 
 #include "bsp/api/imu.h"
 #include "core/store/fixed_vector.h"
-#include "modules/app/door_loss.h"
-#include "modules/app/door_params.h"
+#include "modules/door/door_loss.h"
+#include "modules/door/door_params.h"
 
 namespace pirvs {
 

@@ -11,8 +11,8 @@
 #pragma once
 
 #include "modules/frontend/frontend.h"
-#include "modules/health/health_params.h"
 #include "modules/imu/imu_sample.h"
+#include "modules/standstill/standstill_params.h"
 
 namespace pirvs {
 
@@ -25,7 +25,7 @@ class StandstillDetector {
     Vec3 w_B = Vec3::Zero(), f_B = Vec3::Zero();
   };
 
-  void configure(const HealthParams& params) { params_ = params; }
+  void configure(const StandstillParams& params) { params_ = params; }
   void reset();
   void add_imu(const ImuSample& sample);
   // For each camera that delivered, then judge() once; dt_s since the image before.
@@ -36,7 +36,7 @@ class StandstillDetector {
   // How long it has stood, the time that told so included; 0: it does not.
   double rest_s() const { return rest_s_; }
   // The track stands, and has for long enough to be believed.
-  bool stands(const Track& track) const { return track.still_s >= params_.standstill_image_s; }
+  bool stands(const Track& track) const { return track.still_s >= params_.image_s; }
   // The track goes on and on.
   bool moves(const Track& track) const { return track.moves >= 2; }
   // At rest: the track stands, but no longer where it did: it slid along an edge, or was taken
@@ -60,7 +60,7 @@ class StandstillDetector {
   bool as_expected(const Expected& expected) const;
   bool stays() const;
 
-  HealthParams params_;
+  StandstillParams params_;
   ImuSample window_[kWindowMax];
   int count_ = 0, next_ = 0;
   Vec3 w_mean_ = Vec3::Zero(), f_mean_ = Vec3::Zero();
