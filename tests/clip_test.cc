@@ -87,7 +87,7 @@ TEST_F(clip_replay, gives_the_same_bytes_again) {
 }
 
 TEST_F(clip_replay, is_as_accurate_on_two_cores) {
-  const Replay two = replay(*clip(), 2);
+  const Replay two = replay(*clip(), {2});
   print("two cores", two);
   const double one_m = one_core().result.evaluation.ate_rmse_m;
   ASSERT_TRUE(two.result.evaluation.ok);

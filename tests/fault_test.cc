@@ -61,7 +61,7 @@ TEST(fault, truncated_and_undecodable_images) {
 
 // A run with faults put in as by --fault, each of which must have happened.
 Replay broken_by(const std::vector<std::string>& specs, int cores = 1) {
-  Replay run = replay(simulated(SimulatedDevice::kEuroc), cores, specs);
+  Replay run = replay(simulated(SimulatedDevice::kEuroc), {cores, specs});
   print(specs.front().c_str(), run);
   for (const std::string& spec : specs) EXPECT_GT(run.applied(spec), 0u) << spec;
   for (const tools::TrajectoryPose& pose : run.result.trajectory.poses) {
@@ -124,7 +124,7 @@ TEST(fault, a_long_imu_gap_starts_anew) {
 
 // The recording in real time, as a live IMU whose cable is out for two seconds.
 TEST(fault, a_live_imu_falls_silent) {
-  const Replay run = replay(recording(), 1, {"imu:2-4"}, Pace::kSensors);
+  const Replay run = replay(recording(), {1, {"imu:2-4"}, tools::Playback::kRealTime});
   print("IMU silent", run);
   if (run.result.timing.back().mean > 25)
     GTEST_SKIP() << "no real time: half a frame period is gone";
@@ -236,7 +236,7 @@ TEST(fault, the_clock_of_one_sensor_is_set) {
   const Recording flight = made(options, "clocks");
   for (const char* jump : {"clock-cam:2x0.5", "clock-cam:2x-0.5", "clock-imu:2x0.3",
                            "clock-imu:2x-0.3", "clock-imu:2x-0.7"}) {
-    const Replay run = replay(flight, 1, {jump});
+    const Replay run = replay(flight, {1, {jump}});
     print(jump, run);
     const bool cameras = jump[6] == 'c';
     EXPECT_EQ(run.counter("camera_clock_set"), cameras ? 1u : 0u);

@@ -14,6 +14,7 @@
 #include "tests/recordings.h"
 #include "tests/replay.h"
 #include "tools/dataset/player.h"
+#include "tools/run/playback.h"
 
 namespace pirvs::systems {
 namespace {
@@ -93,13 +94,13 @@ App app;
 size_t heap_calls(int cores, Sink& sink) {
   static Preloaded recording(simulated(SimulatedDevice::kEuroc));
   recording.rewind();
-  bsp::replay_start(recording.source(), bsp::ReplayPace::kFast);
   app.configure(simulated(SimulatedDevice::kEuroc).calibration, AppParams{}, sinks_of(sink));
   alarm(kReplay_s_max);
   std::optional<HeapGuard> guard;
   if (cores == 1) guard.emplace();
   recording.arm_on_first(&guard);
-  const Status status = app.run(board::kPlans[cores - 1], Pace::kAsWeGo);
+  const Status status =
+      tools::play(app, recording.source(), board::kPlans[cores - 1], tools::Playback::kFast);
   guard.reset();
   alarm(0);
   EXPECT_EQ(status, Status::kOk);

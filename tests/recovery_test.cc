@@ -54,7 +54,7 @@ TEST(camera_loss, the_clip_goes_on_with_either_camera) {
   const std::vector<std::vector<std::string>> losses = {
       {"cam1:5-10"}, {"cam0:7-12"}, {"cam1:5-10", "cam0:7-12"}};
   for (const std::vector<std::string>& faults : losses) {
-    const Replay run = replay(*clip(), 1, faults);
+    const Replay run = replay(*clip(), {1, faults});
     print(faults.front().c_str(), run);
     EXPECT_EQ(run.result.frames_lost, 0u);
     EXPECT_EQ(run.counter("losses"), 0u);
@@ -158,7 +158,7 @@ void expect_four_recoveries(const Recording& recording, double from_s, double be
   for (const Motion& motion : four_times(recording, from_s, before_end_s)) {
     char spec[64];
     std::snprintf(spec, sizeof spec, "black:%.2f-%.2f", motion.begin_s, motion.begin_s + kDark_s);
-    const Replay run = replay(recording, 1, {spec});
+    const Replay run = replay(recording, {1, {spec}});
     print(spec, run);
     expect_recovered(run, motion);
     EXPECT_LE(run.result.evaluation.ate_rmse_m, 1.5 * undisturbed_m + slack_m);
@@ -178,7 +178,7 @@ TEST(blackout, mh04h_finds_itself_again) {
 // ---- a true loss ------------------------------------------------------------------------------
 
 TEST(loss, a_new_start_takes_its_place_in_the_old_map) {
-  const Replay run = replay(simulated(SimulatedDevice::kEuroc), 1, {"imu:2.1-3.3"});
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc), {1, {"imu:2.1-3.3"}});
   print("stream broken", run);
   EXPECT_EQ(run.counter("starts"), 2u);
   EXPECT_EQ(run.counter("joins"), 1u);

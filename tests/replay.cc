@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "board/host/board.h"
-#include "bsp/replay/replay.h"
 #include "core/base/assert.h"
 #include "tools/run/feed.h"
 
@@ -53,18 +52,16 @@ double Replay::ate_of_path() const {
   return result.evaluation.ate_rmse_m / result.evaluation.path_m;
 }
 
-Replay replay(const tools::Recording& recording, int cores,
-              const std::vector<std::string>& fault_specs, Pace pace) {
+Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   std::vector<tools::Fault> faults;
-  for (const std::string& spec : fault_specs) faults.push_back(tools::parse_fault(spec));
+  for (const std::string& spec : options.faults) faults.push_back(tools::parse_fault(spec));
   Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}, {}};
   alarm(kReplay_s_max);
   {
     tools::Feed feed(recording, faults);
-    const bool live = pace == Pace::kSensors;
-    bsp::replay_start(feed.source(), live ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
-    out.status = app.run(board::kPlans[cores - 1], pace);
+    if (options.mapping_lag >= 0) app.delay_mapping(options.mapping_lag);
+    out.status = play(app, feed.source(), board::kPlans[options.cores - 1], options.playback);
     out.rejected = feed.rejected();
     out.faults = feed.faults_applied();
   }

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "tools/dataset/recording.h"
+#include "tools/run/playback.h"
 #include "tools/run/result.h"
 
 namespace pirvs::systems {
@@ -36,9 +37,14 @@ struct Replay {
   double ate_of_path() const;                     // ATE rmse as a share of the path
 };
 
-// faults: as --fault takes them. kSensors: in real time.
-Replay replay(const tools::Recording& recording, int cores = 1,
-              const std::vector<std::string>& faults = {}, Pace pace = Pace::kAsWeGo);
+struct ReplayOptions {
+  int cores = 1;
+  std::vector<std::string> faults = {};  // as --fault takes them
+  tools::Playback playback = tools::Playback::kFast;
+  int mapping_lag = -1;  // as --mapping-lag, -1: without
+};
+
+Replay replay(const tools::Recording& recording, const ReplayOptions& options = {});
 
 // One line for people: what was measured.
 void print(const char* what, const Replay& replay);

@@ -65,7 +65,8 @@ TEST(simulated_flight, every_counter_has_a_name_of_its_own) {
 }
 
 TEST(simulated_flight, three_cores_in_lockstep_give_the_bytes_of_one) {
-  const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3, {}, Pace::kLockstep);
+  const Replay run =
+      replay(simulated(SimulatedDevice::kEuroc), {3, {}, tools::Playback::kLockstep});
   EXPECT_EQ(run.result.exit_status(), 0);
   EXPECT_TRUE(run.trajectory() == euroc_run().trajectory()) << "cores change the trajectory";
   for (const char* name : {"keyframes", "adjustments", "points_stereo", "gate_chi2"}) {
@@ -74,7 +75,7 @@ TEST(simulated_flight, three_cores_in_lockstep_give_the_bytes_of_one) {
 }
 
 TEST(simulated_flight, three_cores_finish) {
-  const Replay run = replay(simulated(SimulatedDevice::kEuroc), 3);
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc), {3});
   print("euroc, three cores", run);
   EXPECT_EQ(run.result.exit_status(), 0);
   EXPECT_EQ(run.result.frames_lost, 0u);

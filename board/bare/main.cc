@@ -29,6 +29,7 @@
 #include "bsp/replay/pack.h"
 #include "core/base/text.h"
 #include "core/math/so3.h"
+#include "modules/app/replay_pace.h"
 
 namespace pirvs::board {
 namespace {
@@ -268,11 +269,12 @@ int application() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   app.configure(calibration_of(run.pack), AppParams{}, sinks);
+  app.pace(free && cores > 1 ? fast_may_go_on : lockstep_may_go_on);
   const bool profiled = bsp::boot_argument("profile");
   if (profiled) profile_start();
   const bsp::Cycles before = bsp::read_cycles();
   const TimeNs begin = bsp::now();
-  const Status status = app.run(kPlans[cores - 1], free ? Pace::kAsWeGo : Pace::kLockstep);
+  const Status status = app.run(kPlans[cores - 1], cores == 1 ? Drive::kLockstep : Drive::kTimed);
   const bsp::Cycles after = bsp::read_cycles();
   const TimeNs end = bsp::now();
   close_files();

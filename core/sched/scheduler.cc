@@ -5,19 +5,33 @@
 namespace pirvs {
 
 void Scheduler::run(int core) {
-  while (!stopped_.load(std::memory_order_relaxed)) {
-    if (run_first_due(core, Mode::kTimed)) continue;
+  while (poll(core)) {
+  }
+}
+
+bool Scheduler::poll(int core) {
+  if (stopped()) {
+    say_alive(nullptr);
+    return false;
+  }
+  if (!run_first_due(core, Mode::kTimed)) {
     machine_.relax();
     forget_idle(core);  // another core may have left something
   }
-  say_alive(nullptr);
+  return true;
 }
 
 void Scheduler::run_until_idle() {
   forget_idle(kAllCores);
-  while (!stopped_.load(std::memory_order_relaxed) && run_first_due(kAllCores, Mode::kLockstep)) {
+  while (poll_lockstep()) {
   }
+}
+
+bool Scheduler::poll_lockstep() {
+  if (!stopped() && run_first_due(kAllCores, Mode::kLockstep)) return true;
   say_alive(nullptr);
+  forget_idle(kAllCores);
+  return false;
 }
 
 void Scheduler::trigger(size_t task) {

@@ -6,6 +6,7 @@
 //         interleaves the rows of all.
 //         run_until_idle(): all rows in lockstep, as if every period had just passed, until every
 //         step says kIdle. The order depends on the table and the steps alone, not on a clock.
+//         poll, poll_lockstep: one step of either, for a caller with other things to do.
 // Frames  none. The step's `now` is the clock's, in ns.
 // Errors  Never silent, counted per task: overrun, a step took longer than its budget by the clock
 //         (preemption counts: the rows above had to wait); slip, a whole period or a trigger passed
@@ -94,6 +95,9 @@ class Scheduler {
 
   void run(int core);
   void run_until_idle();
+  bool poll(int core);   // one step or one rest; false: stopped
+  bool poll_lockstep();  // one step; false: stopped, or every step has said kIdle
+  bool stopped() const { return stopped_.load(std::memory_order_relaxed); }
   void stop() { stopped_.store(true, std::memory_order_relaxed); }  // from any core or step
   void trigger(size_t task);                                        // from any core or step
 

@@ -1,144 +1,126 @@
-// The whole stack as one static object: sensors in by the bsp's contracts, poses out by sinks.
-// In      bsp::camera_poll, bsp::imu_poll; a Calibration; parameters.
-// Out     AppSinks: every pose at IMU rate, a report per frame, health changes; the map at the end.
+// The whole stack as one static object: sensors in by the bsp's contracts, commands by the door,
+// poses out by sinks. Wires door, estimator and recorder, and does nothing else.
+// In      bsp::camera_poll, bsp::imu_poll; a Calibration; parameters; command().
+// Out     AppSinks: every pose at IMU rate, a report per frame, health changes, answers; the map at
+//         the end.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU. Time: the IMU's clock, ns.
-// Errors  kBadData from run(): the sensors ended before a start. Rejected samples are counted.
+// Errors  kBadData: the sensors ended before a start. Rejected samples are counted.
 // Cost    memory: see pools(); time: see FrameReport.
 // Source  docs/architecture.md.
 #pragma once
 
-#include <atomic>
+#include <optional>
 
-#include "bsp/api/camera.h"
+#include "bsp/api/cores.h"
 #include "core/base/status.h"
 #include "core/sched/scheduler.h"
+#include "modules/app/app_params.h"
+#include "modules/app/app_sinks.h"
+#include "modules/app/estimator.h"
 #include "modules/calibration/calibration.h"
 #include "modules/door/clock_check.h"
+#include "modules/door/command.h"
 #include "modules/door/door.h"
-#include "modules/frontend/frontend.h"
-#include "modules/imu/imu_params.h"
-#include "modules/mapping/mapper.h"
 #include "modules/recorder/recorder.h"
-#include "modules/tracking/tracker.h"
 
 namespace pirvs {
 
-struct PoseOutput {
-  BodyState state;
-  Mat15 cov = Mat15::Zero();
-  HealthState health;
-  Trust trust;
-};
-
-struct FrameReport {
-  TimeNs t = 0;
-  bool has_pose = false;
-  PoseOutput pose;
-  float image_ms = 0, matching_ms = 0, tracking_ms = 0, mapping_ms = 0, end_to_end_ms = 0;
-  int tracks[kCamerasMax] = {0, 0};
-  int correspondences = 0, accepted = 0;
-  bool keyframe = false;
-  bool at_rest = false;
-};
-
-struct AppSinks {
-  void* context = nullptr;
-  void (*pose)(void*, const PoseOutput&) = nullptr;  // at IMU rate
-  void (*frame)(void*, const FrameReport&) = nullptr;
-  void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
-  void (*keyframe)(void*, const BodyState&) = nullptr;  // leaving the map, refined as it is then
-};
-
-struct AppParams {
-  DoorParams door;
-  ImuParams imu;
-  FrontendParams frontend;
-  TrackingParams tracking;
-  MappingParams mapping;
-};
-
-// The farthest that a replay as fast as possible runs ahead of mapping: what a device whose mapping
-// needs two frames for a keyframe would see.
-inline constexpr TimeNs kMappingLag_ns = 100'000'000;
-
-struct NamedValue {
-  const char* name;
-  uint64_t value;
-};
-
-// Which core runs what. On one core all tasks interleave.
+// Which core runs what. On one core all tasks interleave. Door and tracking share a core: each
+// waits for the other's result.
 struct CorePlan {
   uint8_t cores = 1;
   uint8_t door = 0, left = 0, right = 0, tracking = 0, mapping = 0;
 };
 
-// How fast the recording may come. Live sensors and real-time replay never wait for us. kLockstep:
-// the next sample comes when nothing is left to do on any core, so that any plan gives the bytes
-// that one core gives.
-enum class Pace : uint8_t { kSensors, kAsWeGo, kLockstep };
+// kTimed: every core runs its rows by the clock, as live sensors need it. kLockstep: one core runs
+// all rows in an order that depends on the input alone: the same input, the same bytes.
+enum class Drive : uint8_t { kTimed, kLockstep };
 
+// Life: configure, perhaps record(), pace(), delay_mapping(), then run(), or start, poll until
+// kStale, finish. All of that on one core, which becomes core 0 of the plan.
 class App {
  public:
   // Forgets everything from an earlier run.
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
-  // Between configure() and run(): whatever comes to the door is also written by bsp/api/storage.h
-  // as an ASL folder, from a core of its own, the first that the plan leaves free. kBusFault,
-  // kFull, kNotFound: the storage refuses.
+  // Whatever comes to the door is also written by bsp/api/storage.h as an ASL folder, from a core
+  // of its own, the first that the plan leaves free. kBusFault, kFull, kNotFound: the storage
+  // refuses.
   Status record();
-  // Runs until the sensors end. kAsWeGo on one core is lockstep; on several, mapping may lag by at
-  // most kMappingLag_ns of sensor time.
-  Status run(const CorePlan& plan, Pace pace);
+  // A recording that is there all at once is held back while this says false (replay_pace.h). Asked
+  // on the door's core. Live sensors are never held back.
+  void pace(bool (*may_go_on)(const App&)) { may_go_on_ = may_go_on; }
+  // For tests: each of mapping's results reaches tracking exactly so many frames after the frame
+  // that could have it first, however fast mapping is. 0 to MapGate::kLagMax.
+  void delay_mapping(int frames) { estimator_.map_gate().configure(frames); }
 
-  const Map& map() const { return mapper_.map(); }
-  // Every counter of rejections and faults; sizes of the static pools in bytes. Return the count.
+  // Starts the other cores. kBusFault: a core refuses. kLockstep wants a plan of one core.
+  Status start(const CorePlan& plan, Drive drive);
+  // Core 0's next step. kOk: something was done, or core 0 has rested a while. kEmpty (kLockstep):
+  // there is nothing to do until more is sensed. kStale: all is done, by the sensors' end or by a
+  // command; finish().
+  Status poll();
+  // Waits for the other cores. kBadData: the run ended before a start.
+  Status finish();
+  // The three in one. In lockstep the first kEmpty ends it, too.
+  Status run(const CorePlan& plan, Drive drive);
+
+  // Any core. Taken in order with what is sensed, answered by AppSinks::answer. kFull: too many
+  // wait.
+  Result<uint32_t> command(const Command& command) { return commands_.push(command); }
+
+  // How long, in sensor time, mapping has had work left; 0: it has none. The door's core.
+  TimeNs mapping_backlog() const {
+    return estimator_.mapping_done() ? 0 : door_t_ - mapping_done_t_;
+  }
+  bool recorder_has_room() const { return !recorder_.started() || recorder_.has_room(); }
+
+  const Map& map() const { return estimator_.map(); }  // once finished
+  // Every counter of rejections and faults, from any core; sizes of the static pools in bytes.
+  // Return the count.
   int counters(NamedValue* out, int max) const;
   static int pools(NamedValue* out, int max);
 
  private:
-  enum class Stage : uint8_t { kFree, kFrontend, kTracking };
   enum TaskIndex : int { kDoor, kLeft, kRight, kTracking, kMapping, kTasks };
+  struct Core {
+    Scheduler* scheduler;
+    int index;
+  };
 
   Step door_step();
-  Step frontend_step(int camera);
   Step tracking_step();
-  Step mapping_step();
-  bool world_waits(TimeNs t) const;
-  void interrupt(TimeNs t, const char* why);
+  void deliver(const ImuSample& sample);
+  void end_when_done();
   bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
-  Status start_recorder();
-  void begin_frame(const DoorFrame& frame);
-  void deliver(const ImuSample& sample);
-  void flush_report();
+  bool command_step();
+  Status execute(const Command& command);
+  Status start_recording();
+  Status stop_recording();
+  Status start_recorder_core();
 
   Calibration calibration_;
-  AppParams params_;
   AppSinks sinks_;
   Door door_;
   ClockCheck clock_check_;
-  Frontend frontend_[kCamerasMax];
-  Tracker tracker_;
-  Mapper mapper_;
+  Estimator estimator_;
   Recorder recorder_;
-  KeyframeRing keyframe_ring_;
-  MapMailbox map_mailbox_;
 
-  DoorFrame frame_;
-  Vec3 gravity_B_ = Vec3::Zero();
-  std::atomic<Stage> stage_{Stage::kFree};
-  std::atomic<uint8_t> frontends_left_{0};
-  std::atomic<bool> frontend_todo_[kCamerasMax] = {};
-  std::atomic<int64_t> frontend_ns_[kCamerasMax] = {};
-  std::atomic<int64_t> mapping_ns_{0};
-  int64_t tracking_ns_ = 0;
-  FrameReport report_;
-  bool report_pending_ = false;
-  Scheduler* scheduler_ = nullptr;  // while running
-  Pace pace_ = Pace::kAsWeGo;
+  CommandQueue commands_;
+  Command executing_;
+  bool has_command_ = false;
+  bool ending_ = false;  // no more is taken from the sensors
+  bool (*may_go_on_)(const App&) = nullptr;
+  uint8_t frame_present_ = 0;
+  TimeNs door_t_ = 0;          // of the last item handed out
+  TimeNs mapping_done_t_ = 0;  // when mapping last had nothing to do, sensor time
+
   CorePlan plan_;
+  Drive drive_ = Drive::kTimed;
+  Task tasks_[kTasks];
+  std::optional<Scheduler> scheduler_;  // while running
+  Core cores_[bsp::kCoresMax];
   TaskCounters task_counters_[kTasks];
-  TimeNs door_t_ = 0;             // of the last item handed out
-  TimeNs mapping_pending_t_ = 0;  // when mapping last had nothing to do, sensor time
 };
 
 }  // namespace pirvs

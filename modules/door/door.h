@@ -52,6 +52,7 @@ struct DoorTap {
 class Door {
  public:
   void configure(const Calibration& calibration, const DoorParams& params, const DoorTap& tap = {});
+  void set_tap(const DoorTap& tap) { tap_ = tap; }
   // A frame handed out stays valid until release().
   Status next(DoorItem& out);
   void release();

@@ -17,6 +17,7 @@
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
+#include "tools/run/playback.h"
 #include "tools/run/trace_file.h"
 
 namespace pirvs::tools {
@@ -29,6 +30,7 @@ struct Options {
   bool real_time = false;
   int cores = 1;
   bool lockstep = false;
+  int mapping_lag = -1;
   bool trace = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
@@ -75,17 +77,16 @@ int run(const Options& options, const std::string& command) {
   {
     Progress progress("running", recording.frames.size());
     Feed feed(recording, faults, [&progress](size_t played) { progress.update(played); });
-    bsp::replay_start(feed.source(),
-                      options.real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
     }
-    const Pace pace = options.real_time  ? Pace::kSensors
-                      : options.lockstep ? Pace::kLockstep
-                                         : Pace::kAsWeGo;
-    status = app.run(board::kPlans[options.cores - 1], pace);
+    if (options.mapping_lag >= 0) app.delay_mapping(options.mapping_lag);
+    const Playback playback = options.real_time  ? Playback::kRealTime
+                              : options.lockstep ? Playback::kLockstep
+                                                 : Playback::kFast;
+    status = play(app, feed.source(), board::kPlans[options.cores - 1], playback);
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
@@ -118,6 +119,10 @@ std::function<int()> declare_run(CLI::App& app) {
       ->capture_default_str()
       ->check(CLI::Range(1, board::kCores));
   app.add_flag("--lockstep", o->lockstep, "with any --cores the bytes that one core gives")
+      ->excludes(real_time);
+  app.add_option("--mapping-lag", o->mapping_lag,
+                 "each result of mapping reaches tracking exactly so many frames late, for tests")
+      ->check(CLI::Range(0, MapGate::kLagMax))
       ->excludes(real_time);
   app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")

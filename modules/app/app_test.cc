@@ -1,0 +1,279 @@
+#include "modules/app/app.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <random>
+#include <thread>
+#include <vector>
+
+#include "bsp/api/clock.h"
+#include "bsp/replay/replay.h"
+#include "modules/app/replay_pace.h"
+
+namespace pirvs {
+namespace {
+
+constexpr int kWidth = 320, kHeight = 240, kDisparity = 12;
+constexpr TimeNs kBegin = 1'000'000'000'000;
+constexpr TimeNs kImu_ns = 5'000'000, kFrame_ns = 50'000'000;
+
+// A device that rests before a textured wall, played by bsp/replay. Noise makes each image and each
+// sample another, as real ones are.
+class Still {
+ public:
+  explicit Still(int frames) : frames_(frames) {
+    std::mt19937 random(7);
+    std::vector<int> coarse((kWidth / 4 + 8) * (kHeight / 4));
+    for (int& grey : coarse) grey = int(random() % 200) + 20;
+    for (int c = 0; c < kCamerasMax; ++c) {
+      scene_[c].resize(kWidth * kHeight);
+      for (int y = 0; y < kHeight; ++y) {
+        for (int x = 0; x < kWidth; ++x) {
+          const int column = (x + c * kDisparity) / 4, row = y / 4;
+          scene_[c][size_t(y * kWidth + x)] =
+              uint8_t(coarse[size_t(row * (kWidth / 4 + 8) + column)]);
+        }
+      }
+      pixels_[c] = scene_[c];
+    }
+  }
+
+  static Calibration calibration() {
+    Calibration out;
+    for (int c = 0; c < kCamerasMax; ++c) {
+      Camera& camera = out.camera[c];
+      camera.width = kWidth;
+      camera.height = kHeight;
+      camera.fx = camera.fy = 200;
+      camera.cx = kWidth / 2;
+      camera.cy = kHeight / 2;
+      camera.T_BC.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+      camera.T_BC.p = Vec3(0, c == 0 ? 0.05 : -0.05, 0);
+    }
+    return out;
+  }
+
+  bsp::RecordingSource source() {
+    return {this, next_imu, next_frame, [](void*) {}};
+  }
+
+ private:
+  static bool next_imu(void* context, ImuSample& out) {
+    Still& s = *static_cast<Still*>(context);
+    if (s.imu_at_ * kImu_ns > s.frames_ * kFrame_ns) return false;
+    out = ImuSample{};
+    out.t = kBegin + s.imu_at_++ * kImu_ns;
+    std::normal_distribution<double> noise(0, 1);
+    for (int i = 0; i < 3; ++i) out.w_B[i] = 2e-3 * noise(s.random_);
+    for (int i = 0; i < 3; ++i) out.f_B[i] = 2e-2 * noise(s.random_);
+    out.f_B.z() += 9.81;
+    return true;
+  }
+  static bool next_frame(void* context, StereoFrame& out) {
+    Still& s = *static_cast<Still*>(context);
+    if (s.frame_at_ == s.frames_) return false;
+    out = StereoFrame{};
+    out.t = kBegin + s.frame_at_++ * kFrame_ns;
+    out.present = 3;
+    for (int c = 0; c < kCamerasMax; ++c) {
+      for (size_t i = 0; i < s.pixels_[c].size(); ++i) {
+        s.pixels_[c][i] = uint8_t(s.scene_[c][i] + s.random_() % 3);
+      }
+      out.image[c] = {s.pixels_[c].data(), kWidth, kHeight, kWidth};
+    }
+    return true;
+  }
+
+  TimeNs frames_, imu_at_ = 0, frame_at_ = 0;
+  std::mt19937 random_{3};
+  std::vector<uint8_t> scene_[kCamerasMax], pixels_[kCamerasMax];
+};
+
+struct Log {
+  std::atomic<int> frames{0}, poses{0};
+  std::vector<Answer> answers;
+  std::vector<BodyState> states;
+  uint32_t resets = 0;
+
+  AppSinks sinks() {
+    AppSinks sinks;
+    sinks.context = this;
+    sinks.frame = [](void* log, const FrameReport& report) {
+      Log& self = *static_cast<Log*>(log);
+      ++self.frames;
+      self.poses += report.has_pose ? 1 : 0;
+      if (report.has_pose) self.states.push_back(report.pose.state);
+      self.resets = report.pose.trust.resets;
+    };
+    sinks.answer = [](void* log, const Answer& answer) {
+      static_cast<Log*>(log)->answers.push_back(answer);
+    };
+    return sinks;
+  }
+};
+
+class AppLife : public testing::Test {
+ protected:
+  AppLife() : app_(std::make_unique<App>()) {}
+
+  void play_fast(Still& still) {
+    app_->configure(Still::calibration(), AppParams{}, log_.sinks());
+    bsp::replay_start(still.source(), bsp::ReplayPace::kFast);
+    app_->pace(lockstep_may_go_on);
+  }
+  void play_live(Still& still) {
+    app_->configure(Still::calibration(), AppParams{}, log_.sinks());
+    bsp::replay_start(still.source(), bsp::ReplayPace::kRealTime);
+  }
+  static Command command(CommandKind kind) {
+    Command out;
+    out.kind = kind;
+    return out;
+  }
+
+  Log log_;
+  std::unique_ptr<App> app_;
+};
+
+constexpr CorePlan kOneCore = {1, 0, 0, 0, 0, 0};
+constexpr CorePlan kTwoCores = {2, 0, 0, 1, 0, 1};
+
+TEST_F(AppLife, RunsToTheEndOfTheSensors) {
+  Still still(40);
+  play_fast(still);
+  EXPECT_EQ(app_->run(kOneCore, Drive::kLockstep), Status::kOk);
+  EXPECT_EQ(log_.frames, 40);
+  EXPECT_GT(log_.poses, 20);
+}
+
+TEST_F(AppLife, StepsOneByOneAndEndsWithStale) {
+  Still still(40);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  int steps = 0;
+  while (app_->poll() == Status::kOk) ++steps;
+  EXPECT_EQ(app_->poll(), Status::kStale);
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_GT(steps, 100);
+  EXPECT_EQ(log_.frames, 40);
+}
+
+TEST_F(AppLife, StopsInOrderWhenToldTo) {
+  Still still(40);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 30) ASSERT_EQ(app_->poll(), Status::kOk);
+  const Result<uint32_t> ticket = app_->command(command(CommandKind::kStop));
+  ASSERT_TRUE(ticket.ok());
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 1u);
+  EXPECT_EQ(log_.answers[0].ticket, ticket.value());
+  EXPECT_EQ(log_.answers[0].status, Status::kOk);
+  EXPECT_LE(log_.frames, 32) << "the frame in work is the last";
+  EXPECT_GT(app_->map().landmarks.size(), 20u);
+}
+
+TEST_F(AppLife, StartsAnewAfterAReset) {
+  Still still(80);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 40) ASSERT_EQ(app_->poll(), Status::kOk);
+  const int poses = log_.poses;
+  const uint32_t resets = log_.resets;
+  ASSERT_GT(poses, 0);
+  ASSERT_TRUE(app_->command(command(CommandKind::kReset)).ok());
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_GT(log_.poses, poses + 10);
+  EXPECT_LT(log_.poses, 80 - (40 - poses)) << "a start takes time again";
+  EXPECT_GT(log_.resets, resets) << "a consumer must see that the pose may have jumped";
+}
+
+TEST_F(AppLife, AnswersWhatItCannotDo) {
+  Still still(40);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  ASSERT_TRUE(app_->command(command(CommandKind::kStopRecording)).ok());
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 1u);
+  EXPECT_EQ(log_.answers[0].kind, CommandKind::kStopRecording);
+  EXPECT_EQ(log_.answers[0].status, Status::kStale) << "nothing is recorded";
+}
+
+// What the thread sanitizer is for: two cores at work, a third thread that asks and commands.
+TEST_F(AppLife, IsCommandedFromAnotherThreadWhileItRuns) {
+  Still still(60);
+  play_live(still);
+  std::thread other([this] {
+    NamedValue values[256];
+    while (log_.frames < 20) (void)app_->counters(values, 256);
+    (void)app_->command(command(CommandKind::kReset));
+    while (log_.frames < 40) (void)app_->counters(values, 256);
+    (void)app_->command(command(CommandKind::kStop));
+  });
+  (void)app_->run(kTwoCores, Drive::kTimed);
+  other.join();
+  ASSERT_EQ(log_.answers.size(), 2u);
+  EXPECT_EQ(log_.answers[0].kind, CommandKind::kReset);
+  EXPECT_EQ(log_.answers[1].kind, CommandKind::kStop);
+  EXPECT_GE(log_.frames, 40);
+}
+
+TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {
+  std::vector<BodyState> states[2];
+  for (const bool threads : {false, true}) {
+    Still still(60);
+    Log log;
+    app_->configure(Still::calibration(), AppParams{}, log.sinks());
+    app_->delay_mapping(3);
+    bsp::replay_start(still.source(), bsp::ReplayPace::kFast);
+    app_->pace(lockstep_may_go_on);
+    EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
+              Status::kOk);
+    states[threads] = log.states;
+  }
+  ASSERT_EQ(states[0].size(), states[1].size());
+  for (size_t i = 0; i < states[0].size(); ++i) {
+    EXPECT_EQ(states[0][i].T_WB.p, states[1][i].T_WB.p) << i;
+  }
+}
+
+TEST(MapGate, LetsThroughWhatWasSentSoManyFramesBefore) {
+  MapGate gate;
+  EXPECT_TRUE(gate.ready(0)) << "free";
+  gate.configure(2);
+  const uint32_t sent[] = {0, 1, 1, 4, 5};
+  const uint32_t limit[] = {0, 0, 0, 1, 1};
+  for (int frame = 0; frame < 5; ++frame) {
+    gate.frame(sent[frame]);
+    EXPECT_EQ(gate.limit(), limit[frame]) << frame;
+  }
+  EXPECT_FALSE(gate.ready(0));
+  EXPECT_TRUE(gate.ready(1));
+  gate.open();
+  EXPECT_TRUE(gate.ready(0));
+}
+
+TEST(CommandQueue, NumbersCommandsAndRefusesTooMany) {
+  CommandQueue queue;
+  Command command;
+  uint32_t pushed = 0;
+  while (queue.push(command).ok()) ++pushed;
+  EXPECT_GE(pushed, 8u);
+  for (uint32_t ticket = 1; ticket <= pushed; ++ticket) {
+    ASSERT_TRUE(queue.pop(command));
+    EXPECT_EQ(command.ticket, ticket);
+  }
+  EXPECT_FALSE(queue.pop(command));
+  EXPECT_EQ(queue.push(command).value(), pushed + 1);
+}
+
+}  // namespace
+}  // namespace pirvs

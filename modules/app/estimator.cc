@@ -1,0 +1,242 @@
+#include "modules/app/estimator.h"
+
+#include <algorithm>
+#include <new>
+
+#include "bsp/api/clock.h"
+#include "core/trace/trace.h"
+
+namespace pirvs {
+namespace {
+
+// What the health log says of a frame; nullptr: nothing.
+const char* event_of(const FrameResult& result) {
+  if (result.started) return result.started_at_rest ? "started at rest" : "started in motion";
+  if (result.joined) return "recognised the old map";
+  if (result.closed) return "closed a loop";
+  if (result.recognised) return "recognised the place";
+  return result.health_changed ? "health changed" : nullptr;
+}
+
+float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
+
+}  // namespace
+
+void Estimator::configure(const Calibration& calibration, const AppParams& params,
+                          const AppSinks& sinks) {
+  calibration_ = calibration;
+  params_ = params;
+  sinks_ = sinks;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    frontend_[c].configure(calibration.camera[c], params.frontend);
+  }
+  configure_tracking();
+}
+
+void Estimator::configure_tracking() {
+  const ImuNoise noise = scaled(calibration_.imu, params_.imu);
+  tracker_.configure(calibration_.camera, calibration_.cameras, noise, params_.tracking,
+                     &keyframe_ring_, &map_mailbox_);
+  mapper_.configure(calibration_.camera, noise, params_.mapping, &keyframe_ring_, &map_mailbox_);
+  mapper_.on_keyframe_removed(sinks_.keyframe, sinks_.context);
+}
+
+// A consumer that counts resets sees one more, not a count that begins again.
+void Estimator::reset(TimeNs t) {
+  resets_before_ += tracker_.trust().resets + 1;
+  tracker_.~Tracker();  // in place: no stack could hold another
+  new (&tracker_) Tracker;
+  mapper_.~Mapper();
+  new (&mapper_) Mapper;
+  (void)map_mailbox_.take();
+  map_gate_.restart();
+  configure_tracking();
+  for (Frontend& frontend : frontend_) frontend.reset();
+  tell_health(t, "reset by command");
+}
+
+PoseOutput Estimator::pose() const {
+  PoseOutput out = {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()};
+  out.trust.resets += resets_before_;
+  return out;
+}
+
+void Estimator::tell_health(TimeNs t, const char* what) {
+  if (sinks_.health != nullptr) sinks_.health(sinks_.context, t, tracker_.health(), what);
+}
+
+void Estimator::interrupt(TimeNs t, const char* why) {
+  tracker_.interrupt();
+  for (Frontend& frontend : frontend_) frontend.reset();
+  tell_health(t, why);
+}
+
+void Estimator::imu(const ImuSample& sample, bool stamps_in_doubt) {
+  const TimeNs begin = bsp::cpu_time();
+  {
+    PIRVS_TRACE("imu");
+    tracker_.doubt_stamps(stamps_in_doubt);
+    tracker_.add_imu(sample);
+  }
+  tracking_ns_ += bsp::cpu_time() - begin;
+}
+
+void Estimator::begin(const DoorFrame& frame) {
+  flush_report();
+  frame_ = frame;
+  for (int c = 0; c < kCamerasMax; ++c) {
+    if ((frame.images.present >> c & 1) == 0) frontend_[c].reset();
+  }
+  map_gate_.frame(tracker_.sent());
+  stage_.store(Stage::kMap, std::memory_order_relaxed);
+}
+
+Step Estimator::wait_for_map() {
+  if (stage_.load(std::memory_order_relaxed) != Stage::kMap) return Step::kIdle;
+  if (!map_gate_.ready(mapper_.finished())) return Step::kIdle;
+  const TimeNs begin = bsp::cpu_time();
+  gravity_B_ = tracker_.prepare(frontend_);
+  tracking_ns_ += bsp::cpu_time() - begin;
+  frontends_left_.store(kCamerasMax);
+  stage_.store(Stage::kFrontend, std::memory_order_release);
+  for (auto& todo : frontend_todo_) todo.store(true, std::memory_order_release);
+  return Step::kAgain;
+}
+
+Step Estimator::frontend_step(int c) {
+  if (!frontend_todo_[c].load(std::memory_order_acquire)) return Step::kIdle;
+  PIRVS_TRACE("frontend");
+  const TimeNs begin = bsp::cpu_time();
+  if ((frame_.images.present >> c & 1) != 0) {
+    const Vec3 gravity_C = calibration_.camera[c].T_BC.R.transpose() * gravity_B_;
+    (void)frontend_[c].process(frame_.images.image[c], frame_.t, gravity_C);
+  }
+  frontend_ns_[c].store(bsp::cpu_time() - begin);
+  frontend_todo_[c].store(false, std::memory_order_relaxed);
+  if (frontends_left_.fetch_sub(1) == 1) stage_.store(Stage::kTracking, std::memory_order_release);
+  return Step::kAgain;
+}
+
+Step Estimator::tracking_step() {
+  if (stage_.load(std::memory_order_acquire) != Stage::kTracking) return Step::kIdle;
+  PIRVS_TRACE("tracking");
+  const TimeNs begin = bsp::cpu_time();
+  {
+    PIRVS_TRACE("matching");
+    tracker_.match(frontend_);
+  }
+  const TimeNs matched = bsp::cpu_time();
+  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present, frontend_);
+  tracking_ns_ += bsp::cpu_time() - matched;
+  report(result, matched - begin);
+  const char* what = event_of(result);
+  if (what != nullptr) tell_health(frame_.t, what);
+  stage_.store(Stage::kIdle, std::memory_order_release);
+  return Step::kAgain;
+}
+
+void Estimator::report(const FrameResult& result, TimeNs matching_ns) {
+  report_ = FrameReport{};
+  report_.t = frame_.t;
+  report_.has_pose = result.has_pose;
+  report_.pose = pose();
+  report_.image_ms = to_ms(frontend_ns_[0] + frontend_ns_[1]);
+  report_.matching_ms = to_ms(matching_ns);
+  report_.tracking_ms = to_ms(tracking_ns_);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    report_.tracks[c] = static_cast<int>(frontend_[c].tracks().size());
+  }
+  report_.correspondences = result.correspondences;
+  report_.accepted = result.accepted;
+  report_.keyframe = result.keyframe;
+  report_.at_rest = result.at_rest;
+  report_pending_ = true;
+  tracking_ns_ = 0;
+}
+
+bool Estimator::mapping_done() const {
+  return mapper_.finished() >= std::min(tracker_.sent(), map_gate_.limit());
+}
+
+Step Estimator::mapping_step() {
+  if (!mapper_.busy() || mapper_.finished() >= map_gate_.limit()) return Step::kIdle;
+  PIRVS_TRACE("mapping");
+  const TimeNs begin = bsp::cpu_time();
+  mapper_.step();
+  mapping_ns_ += bsp::cpu_time() - begin;
+  return Step::kAgain;
+}
+
+// A frame is reported when the next one begins, so that mapping's share of the time is known.
+void Estimator::flush_report() {
+  if (!report_pending_) return;
+  report_pending_ = false;
+  report_.mapping_ms = to_ms(mapping_ns_.exchange(0));
+  report_.end_to_end_ms =
+      report_.image_ms + report_.matching_ms + report_.tracking_ms + report_.mapping_ms;
+  if (sinks_.frame != nullptr) sinks_.frame(sinks_.context, report_);
+}
+
+int Estimator::pools(NamedValue* out, int max) {
+  const NamedValue table[] = {
+      {"frontend", sizeof(frontend_)},       {"tracker", sizeof(tracker_)},
+      {"mapper", sizeof(mapper_)},           {"keyframe_ring", sizeof(keyframe_ring_)},
+      {"map_mailbox", sizeof(map_mailbox_)},
+  };
+  int count = 0;
+  for (const NamedValue& row : table) {
+    if (count < max) out[count++] = row;
+  }
+  return count;
+}
+
+int Estimator::counters(NamedValue* out, int max) const {
+  int count = 0;
+  const auto add = [&](const char* name, uint64_t value) {
+    if (count < max) out[count++] = {name, value};
+  };
+  for (int i = 0; i < static_cast<int>(TrackLoss::kCount); ++i) {
+    add(name(static_cast<TrackLoss>(i)), frontend_[0].losses()[i] + frontend_[1].losses()[i]);
+  }
+  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i) {
+    add(name(static_cast<StereoLoss>(i)), tracker_.stereo().losses()[i]);
+  }
+  const TrackingCounters& t = tracker_.counters();
+  for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
+    add(name(static_cast<Gate>(i)), t.gates[i]);
+  }
+  add("frames", t.frames);
+  add("frames_with_pose", t.frames_with_pose);
+  add("starts", t.starts);
+  add("start_failures", t.start_failures);
+  add("losses", t.losses);
+  add("keyframes", t.keyframes);
+  add("keyframes_dropped", t.keyframes_dropped);
+  add("snapshots_late", t.snapshots_late);
+  add("matched_by_projection", t.matched_by_projection);
+  add("standstill_frames", t.standstill_frames);
+  add("tracks_dropped", t.tracks_dropped);
+  add("recognitions", t.recognitions);
+  add("recognitions_failed", t.recognitions_failed);
+  add("joins", t.joins);
+  add("loops", t.loops);
+  add("loops_implausible", t.loops_implausible);
+  add("loops_held", t.loops_held);
+  add("jumps", t.jumps);
+  const MappingCounters& m = mapper_.counters();
+  add("keyframes_removed", m.keyframes_removed);
+  add("adjustments", m.adjustments);
+  add("adjustments_failed", m.adjustments_failed);
+  add("points_stereo", m.points_stereo);
+  add("points_temporal", m.points_temporal);
+  add("points_removed", m.points_removed);
+  add("points_full", m.points_full);
+  add("points_forgotten", m.points_forgotten);
+  add("points_rejected", m.points_rejected);
+  add("observations_removed", m.observations_removed);
+  add("bundle_full", m.bundle_full);
+  add("restarts", m.restarts);
+  return count;
+}
+
+}  // namespace pirvs

@@ -1,0 +1,92 @@
+// Front-ends, tracking and mapping as one: ordered samples and frames in, poses out. Knows no
+// sensor, no schedule and no clock but that of CPU time for its reports.
+// In      imu() and begin() in order of sensor time, a frame only while idle(); then its steps,
+//         each on a core of its own if the plan likes.
+// Out     pose() after every sample; a FrameReport once a frame is done and the next one begins.
+// Frames  W: world, z up, origin at the first keyframe. B: IMU.
+// Errors  none to the caller: what is rejected is counted by name.
+// Cost    memory: see pools(); time: see FrameReport.
+// Source  docs/architecture.md; PIRVS paper, section IV.
+#pragma once
+
+#include <atomic>
+
+#include "core/sched/scheduler.h"
+#include "modules/app/app_params.h"
+#include "modules/app/app_sinks.h"
+#include "modules/app/map_gate.h"
+#include "modules/calibration/calibration.h"
+#include "modules/door/door.h"
+#include "modules/frontend/frontend.h"
+#include "modules/map/messages.h"
+#include "modules/mapping/mapper.h"
+#include "modules/tracking/tracker.h"
+
+namespace pirvs {
+
+class Estimator {
+ public:
+  void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
+
+  // ---- on the door's core, which is tracking's ----
+  void imu(const ImuSample& sample, bool stamps_in_doubt);
+  // Time does not go on from the item before: nothing can be carried over but the map's frame.
+  void interrupt(TimeNs t, const char* why);
+  // No frame is in work: the next item may come.
+  bool idle() const { return stage_.load(std::memory_order_acquire) == Stage::kIdle; }
+  void begin(const DoorFrame& frame);
+  // Lets the frame go on to the front-ends once the map is there that it shall see.
+  Step wait_for_map();
+  Step tracking_step();
+  void flush_report();
+  // Forgets map and state; resets are counted on. Only while idle() and mapping_rests().
+  void reset(TimeNs t);
+
+  PoseOutput pose() const;
+  const Tracker& tracker() const { return tracker_; }
+  const Tracks& tracks(int camera) const { return frontend_[camera].tracks(); }
+  MapGate& map_gate() { return map_gate_; }
+  // Mapping has done all that tracking has sent and the gate lets through; and has no other work.
+  bool mapping_done() const;
+  bool mapping_rests() const { return mapping_done() && !mapper_.busy(); }
+
+  // ---- on the core that the plan says ----
+  Step frontend_step(int camera);
+  Step mapping_step();
+
+  const Map& map() const { return mapper_.map(); }  // at rest
+  int counters(NamedValue* out, int max) const;
+  static int pools(NamedValue* out, int max);
+
+ private:
+  // Of the frame in work.
+  enum class Stage : uint8_t { kIdle, kMap, kFrontend, kTracking };
+
+  void configure_tracking();
+  void report(const FrameResult& result, TimeNs matching_ns);
+  void tell_health(TimeNs t, const char* what);
+
+  Calibration calibration_;
+  AppParams params_;
+  AppSinks sinks_;
+  Frontend frontend_[kCamerasMax];
+  Tracker tracker_;
+  Mapper mapper_;
+  KeyframeRing keyframe_ring_;
+  MapMailbox map_mailbox_;
+  MapGate map_gate_;
+  uint32_t resets_before_ = 0;  // counted by trackers before the last reset()
+
+  DoorFrame frame_;
+  Vec3 gravity_B_ = Vec3::Zero();
+  std::atomic<Stage> stage_{Stage::kIdle};
+  std::atomic<uint8_t> frontends_left_{0};
+  std::atomic<bool> frontend_todo_[kCamerasMax] = {};
+  std::atomic<int64_t> frontend_ns_[kCamerasMax] = {};
+  std::atomic<int64_t> mapping_ns_{0};
+  int64_t tracking_ns_ = 0;
+  FrameReport report_;
+  bool report_pending_ = false;
+};
+
+}  // namespace pirvs

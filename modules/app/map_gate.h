@@ -1,0 +1,60 @@
+// Says which of mapping's results a frame may use. Free: whatever is there when the frame begins,
+// as on a device. Lagging: those of keyframes sent so many frames before, neither more nor fewer,
+// so that a mapper of any speed gives the same bytes. Following: as a recorded run had them.
+// In      each frame, with the newest keyframe that tracking has sent.
+// Out     limit(): mapping may finish this keyframe, none after it. ready(): the frame may begin.
+// Errors  none.
+// Cost    none to speak of. limit() may be asked on any core, the rest belongs to the door's.
+// Source  own; docs/adr/0003-lockstep-determinism.md.
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+
+#include "core/base/assert.h"
+
+namespace pirvs {
+
+class MapGate {
+ public:
+  static constexpr int kFree = -1;
+  static constexpr int kLagMax = 32;
+
+  // kFree, or 0 to kLagMax frames.
+  void configure(int lag) {
+    PIRVS_ASSERT(lag >= kFree && lag <= kLagMax);
+    lag_ = lag;
+    restart();
+  }
+  // Keyframes are counted from the first again.
+  void restart() {
+    frames_ = 0;
+    limit_.store(lag_ == kFree ? UINT32_MAX : 0, std::memory_order_release);
+  }
+  // A frame is about to begin; `sent`: the newest keyframe so far.
+  void frame(uint32_t sent) {
+    if (lag_ == kFree) return;
+    sent_[frames_ % (kLagMax + 1)] = sent;
+    const uint32_t then = frames_ - static_cast<uint32_t>(lag_);
+    if (frames_ >= static_cast<uint32_t>(lag_)) {
+      limit_.store(sent_[then % (kLagMax + 1)], std::memory_order_release);
+    }
+    ++frames_;
+  }
+  // The frame to come used mapping's result of this keyframe.
+  void follow(uint32_t keyframe) { limit_.store(keyframe, std::memory_order_release); }
+  // Until the next frame, mapping finishes what it has.
+  void open() { limit_.store(UINT32_MAX, std::memory_order_release); }
+
+  uint32_t limit() const { return limit_.load(std::memory_order_acquire); }
+  // `finished`: the newest keyframe that mapping has done.
+  bool ready(uint32_t finished) const { return limit() == UINT32_MAX || finished >= limit(); }
+
+ private:
+  int lag_ = kFree;
+  uint32_t frames_ = 0;
+  uint32_t sent_[kLagMax + 1] = {};
+  std::atomic<uint32_t> limit_{UINT32_MAX};
+};
+
+}  // namespace pirvs

@@ -1,0 +1,27 @@
+// What    Runs an App on a recording, at the pace asked for.
+// In      A configured App, what plays the recording, the plan of cores.
+// Errors  as App::run.
+// Source  docs/adr/0003-lockstep-determinism.md.
+#pragma once
+
+#include "bsp/replay/replay.h"
+#include "modules/app/replay_pace.h"
+
+namespace pirvs::tools {
+
+enum class Playback : uint8_t {
+  kFast,      // as fast as possible; on one core the same input gives the same bytes
+  kLockstep,  // the bytes of one core on any number of them
+  kRealTime,  // as live sensors would
+};
+
+inline Status play(App& app, const bsp::RecordingSource& source, const CorePlan& plan,
+                   Playback playback) {
+  const bool real_time = playback == Playback::kRealTime;
+  const bool lockstep = playback == Playback::kLockstep || plan.cores == 1;
+  bsp::replay_start(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
+  if (!real_time) app.pace(lockstep ? lockstep_may_go_on : fast_may_go_on);
+  return app.run(plan, !real_time && plan.cores == 1 ? Drive::kLockstep : Drive::kTimed);
+}
+
+}  // namespace pirvs::tools
