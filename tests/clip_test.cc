@@ -61,6 +61,7 @@ TEST_F(clip_replay, starts_within_two_seconds_and_is_never_lost) {
   EXPECT_EQ(run.result.frames_dropped, 0u);
   EXPECT_EQ(run.result.frames_tracked + run.result.frames_before_start, run.result.frames_in);
   EXPECT_EQ(run.counter("losses"), 0u);
+  EXPECT_EQ(run.counter("adjustments_failed"), 0u);
 }
 
 TEST_F(clip_replay, is_accurate) {

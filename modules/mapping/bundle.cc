@@ -251,22 +251,25 @@ void Bundle::linearize_links() {
   }
 }
 
-void Bundle::solve() {
+void Bundle::copy_system(double lambda) {
   const size_t n = static_cast<size_t>(unknowns_);
   for (size_t i = 0; i < n; ++i) {
     std::copy(row(static_cast<int>(i)) + i, row(static_cast<int>(i)) + n,
-              S_damped_ + i * kUnknownsMax + i);
-    S_damped_[i * kUnknownsMax + i] *= 1 + lambda_;
+              factors_ + i * kUnknownsMax + i);
+    factors_[i * kUnknownsMax + i] *= 1 + lambda;
   }
   std::copy(b_, b_ + n, delta_);
-  Mat15 information;
+}
+
+void Bundle::solve() {
+  const size_t n = static_cast<size_t>(unknowns_);
+  copy_system(lambda_);
   ++iteration_;
-  if (n < 15 || !solve_spd(S_damped_, kUnknownsMax, delta_, n, information.data(), 15)) {
+  if (n < 15 || !solve_spd(factors_, kUnknownsMax, delta_, n, nullptr, 0)) {
     lambda_ *= 100;
     if (iteration_ >= static_cast<int>(params_.iterations_max)) phase_ = Phase::kDone;
     return;
   }
-  trial_cov_ = information.llt().solve(Mat15::Identity());
   apply(delta_);
   cost_trial_ = evaluate_links();
   next_point_ = 0;
@@ -289,14 +292,14 @@ void Bundle::apply(const double* delta) {
   }
 }
 
-double Bundle::evaluate_point(const Point& point) const {
+double Bundle::cost_at(const Vec3& p_W, const Point& point) const {
   double cost = 0;
   for (int o = point.first; o < point.first + point.count; ++o) {
     const Observation2& z = observations_[static_cast<size_t>(o)];
     const Frame& frame = frames_[static_cast<size_t>(z.frame)];
     const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
     Vec2 uv;
-    if (!camera_[z.camera].project(frame.T_CW[z.camera] * point.trial, uv)) {
+    if (!camera_[z.camera].project(frame.T_CW[z.camera] * p_W, uv)) {
       cost += trust * robust_cost(kHopeless_sigma2);
       continue;
     }
@@ -304,6 +307,15 @@ double Bundle::evaluate_point(const Point& point) const {
     cost += trust * robust_cost(r.squaredNorm());
   }
   return cost;
+}
+
+// A point takes an undamped Gauss-Newton step, which may carry it behind a camera. Where the old
+// position fits the trial poses better, the point keeps it and vetoes nobody else's step.
+double Bundle::evaluate_point(Point& point) const {
+  const double cost_moved = cost_at(point.trial, point), cost_kept = cost_at(point.p_W, point);
+  if (cost_moved <= cost_kept) return cost_moved;
+  point.trial = point.p_W;
+  return cost_kept;
 }
 
 double Bundle::evaluate_links() const {
@@ -323,7 +335,6 @@ void Bundle::judge() {
     ++accepted_;
     const bool converged = cost_ - cost_trial_ < 1e-3 * cost_;
     cost_ = cost_trial_;
-    newest_cov_ = trial_cov_;
     for (Frame& frame : frames_) frame.state = frame.trial;
     for (Point& point : points_) point.p_W = point.trial;
     lambda_ = std::max(1e-7, lambda_ * 0.1);
@@ -359,28 +370,33 @@ void Bundle::resist_tilt(int axis, const Vec3& at, double* out) const {
       prior_.information * rigid_motion(frame.state, at).col(axis);
 }
 
-// From the factors of the last solution. When the fixed frames and all others move as one, vision
-// does not notice: what keeps the others from following is what inertia resists.
+// Covariances, from the undamped system of the last linearization. When the fixed frames and all
+// others move as one, vision does not notice: what keeps the others from following is what inertia
+// resists.
 void Bundle::finish() {
+  const size_t n = static_cast<size_t>(unknowns_);
+  copy_system(0);
+  Mat15 information;
+  errors_known_ = solve_spd(factors_, kUnknownsMax, delta_, n, information.data(), 15);
+  if (!errors_known_) return;
+  newest_cov_ = information.llt().solve(Mat15::Identity());
   const auto oldest = std::find_if(frames_.begin(), frames_.end(),
                                    [](const Frame& frame) { return frame.unknown == 0; });
-  const size_t n = static_cast<size_t>(unknowns_);
   const Vec3 at = oldest->state.T_WB.p;
   newest_follows_ = rigid_motion(frames_.back().state, at);
   oldest_follows_ = rigid_motion(oldest->state, at).topRows<6>();
   for (int axis = 0; axis < 2; ++axis) {
     resist_tilt(axis, at, delta_);
-    solve_factored(S_damped_, kUnknownsMax, delta_, n);
+    solve_factored(factors_, kUnknownsMax, delta_, n);
     newest_follows_.col(axis) -= Eigen::Map<const Vec15>(delta_ + n - 15);
     oldest_follows_.col(axis) -= Eigen::Map<const Vec6>(delta_);
   }
   for (int i = 0; i < 6; ++i) {
     std::fill(delta_, delta_ + n, 0.0);
     delta_[i] = 1;
-    solve_factored(S_damped_, kUnknownsMax, delta_, n);
+    solve_factored(factors_, kUnknownsMax, delta_, n);
     oldest_pose_cov_.col(i) = Eigen::Map<const Vec6>(delta_);
   }
-  errors_known_ = true;
 }
 
 double Bundle::residual_sigma(int point, int observation) const {

@@ -1,10 +1,11 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
 // In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
-// Out     refined states and points, each point's covariance, each observation's residual, and the
-//         covariance of the newest frame (added last) and of the oldest free one's pose, given the
-//         fixed ones; and how both follow when the fixed ones are off together.
+// Out     refined states and points, each point's covariance given all frames, each observation's
+//         residual; given the fixed frames, the covariance of the newest frame (added last) and of
+//         the oldest free one's pose; and how both follow when the fixed ones are off together.
 // Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
+//         errors_known(): false when the system of equations is not positive definite.
 // Cost    one iteration of 10 free frames, 400 points, 3000 observations: ~2 ms, x86-64.
 // Source  Triggs et al., Bundle adjustment, 2000, section 6 (Schur complement); Forster et al.,
 //         T-RO 2017 (IMU residuals); PIRVS paper, section IV.C and its future work.
@@ -44,7 +45,7 @@ class Bundle {
   Mat3 point_cov(int i) const { return points_[i].H_inverse; }
   const Mat15& newest_cov() const { return newest_cov_; }
   const Mat6& oldest_pose_cov() const { return oldest_pose_cov_; }
-  // The rest holds only if this does: the last step's system could be solved.
+  // The covariances above and what follows below hold only if this does.
   bool errors_known() const { return errors_known_; }
   // By how much the newest state and the oldest free pose move when all fixed frames turn and shift
   // about the place of the oldest free frame. Inertia resists a tilt; nothing resists the rest.
@@ -86,9 +87,11 @@ class Bundle {
   void linearize_point(Point& point);
   void eliminate_point(const Point& point);
   void linearize_links();
+  void copy_system(double lambda);
   void solve();
   void apply(const double* delta);
-  double evaluate_point(const Point& point) const;
+  double cost_at(const Vec3& p_W, const Point& point) const;
+  double evaluate_point(Point& point) const;
   double evaluate_links() const;
   double prior_cost(const BodyState& state) const;
   double robust_cost(double squares) const;
@@ -114,11 +117,11 @@ class Bundle {
   int iteration_ = 0, accepted_ = 0;
   bool errors_known_ = false;
   double lambda_ = 1e-4, cost_ = 0, cost_before_ = 0, cost_trial_ = 0;
-  Mat15 newest_cov_ = Mat15::Identity(), trial_cov_ = Mat15::Identity();
+  Mat15 newest_cov_ = Mat15::Identity();
   Mat6 oldest_pose_cov_ = Mat6::Identity(), oldest_follows_ = Mat6::Identity();
   Mat15x6 newest_follows_ = Mat15x6::Zero();
   double S_[kUnknownsMax * kUnknownsMax];
-  double S_damped_[kUnknownsMax * kUnknownsMax];
+  double factors_[kUnknownsMax * kUnknownsMax];  // of S_, damped or not
   double b_[kUnknownsMax];
   double delta_[kUnknownsMax];
 };

@@ -170,7 +170,7 @@ class BruteForce {
            e.dot(p_.prior.information * e) - 2 * p_.prior.gradient.dot(e);
   }
 
-  // One Levenberg-Marquardt step and the newest frame's covariance.
+  // One Levenberg-Marquardt step, and the newest frame's covariance without its damping.
   Column step(double lambda, Mat15& newest_cov) const {
     Dense H = Dense::Zero(unknowns_, unknowns_);
     Column g = Column::Zero(unknowns_);
@@ -179,12 +179,12 @@ class BruteForce {
     const Dense H_pp = H.bottomRightCorner(m, m) + 1e-6 * Dense::Identity(m, m);
     const Dense back = H_pp.ldlt().solve(H.bottomLeftCorner(m, n));
     Dense S = H.topLeftCorner(n, n) - H.topRightCorner(n, m) * back;
+    newest_cov = Dense(S.ldlt().solve(Dense::Identity(n, n))).bottomRightCorner<15, 15>();
     S.diagonal() *= 1 + lambda;
     const Column g_reduced = g.head(n) - back.transpose() * g.tail(m);
     Column delta(unknowns_);
     delta.head(n) = S.ldlt().solve(g_reduced);
     delta.tail(m) = H_pp.ldlt().solve(g.tail(m) - H.bottomLeftCorner(m, n) * delta.head(n));
-    newest_cov = Dense(S.ldlt().solve(Dense::Identity(n, n))).bottomRightCorner<15, 15>();
     return delta;
   }
 
@@ -426,15 +426,18 @@ TEST(bundle, frames_follow_what_holds_them_as_foretold) {
   problem.prior.information.topLeftCorner<3, 3>() =
       R.transpose() * Vec3(1e6, 1e6, 0).asDiagonal() * R;
   problem.add_noise(0.3);
-  // Anew from where it ended, so that what is left of its convergence does not count.
-  const auto settle = [&problem](const Bundle& bundle) {
-    Problem out = problem;
-    for (size_t i = 3; i < out.states.size(); ++i) out.states[i] = bundle.state(int(i));
-    for (size_t i = 0; i < out.points.size(); ++i) out.points[i] = bundle.point(int(i));
+  // Again and again from where it ended: an adjustment stops where the cost hardly falls, short of
+  // the end along what is weakly determined.
+  const auto settle = [](Problem out) {
+    for (int again = 0; again < 6; ++again) {
+      const auto bundle = solve(out);
+      for (size_t i = 3; i < out.states.size(); ++i) out.states[i] = bundle->state(int(i));
+      for (size_t i = 0; i < out.points.size(); ++i) out.points[i] = bundle->point(int(i));
+    }
     return out;
   };
-  const Problem settled = settle(*solve(settle(*solve(problem))));
-  const auto before = solve(settled);
+  const Problem settled = settle(problem);
+  const auto before = solve(settle(settled));  // as often as below
   ASSERT_TRUE(before->errors_known());
   const Vec3 at = before->state(3).T_WB.p;
   for (int axis = 0; axis < 6; ++axis) {
@@ -443,11 +446,12 @@ TEST(bundle, frames_follow_what_holds_them_as_foretold) {
     Problem moved = settled;
     for (BodyState& state : moved.states) state = boxplus(state, rigid_motion(state, at) * off);
     for (Vec3& p : moved.points) p += off.tail<3>() + off.head<3>().cross(p - at);
-    const auto after = solve(moved);
-    ASSERT_TRUE(after->solved());
+    const auto after = solve(settle(moved));
+    ASSERT_TRUE(after->errors_known());
     const Vec15 newest = boxminus(after->state(8), before->state(8)) / sizes[axis];
     const Vec6 oldest = boxminus(after->state(3), before->state(3)).head<6>() / sizes[axis];
-    EXPECT_LT((newest.head<9>() - before->newest_follows().col(axis).head<9>()).norm(), 0.03)
+    EXPECT_LT((newest.head<9>() - before->newest_follows().col(axis).head<9>()).norm(),
+              0.03 + 0.01 * newest.norm())
         << axis << "\n"
         << newest.norm() << "\n"
         << before->newest_follows().col(axis).norm();
@@ -514,6 +518,31 @@ TEST(bundle, a_point_behind_its_camera_is_infinitely_bad_and_does_no_harm) {
   EXPECT_EQ(bundle->residual_sigma(static_cast<int>(behind), 0),
             std::numeric_limits<double>::infinity());
   EXPECT_LT(worst(problem, *bundle, 3), 2e-3);
+}
+
+// A wrong stereo match: the disparity of a point at 1.6 m, the estimate at 4.5 m. The undamped step
+// in depth, linear in the disparity, ends behind the camera and costs more than all others gain.
+TEST(bundle, a_point_that_jumps_behind_its_camera_vetoes_no_step) {
+  Problem problem(12, 2, 4, 60);
+  problem.perturb(0.02);
+  const auto without = solve(problem);
+  ASSERT_TRUE(without->solved());
+  const SE3 T_WC = problem.truth[3].T_WB * problem.rig.camera[0].T_BC;
+  const Vec3 start_W = T_WC * Vec3(0.1, 0.05, 4.5);
+  Vec2 left, right;
+  ASSERT_TRUE(problem.rig.see(problem.truth[3].T_WB, 0, start_W, left));
+  ASSERT_TRUE(problem.rig.see(problem.truth[3].T_WB, 1, start_W, right));
+  const double disparity_px = left.x() - right.x();
+  const int bad = static_cast<int>(problem.points.size());
+  problem.points.push_back(start_W);
+  problem.sightings.push_back({bad, 3, 0, left, true});
+  problem.sightings.push_back({bad, 3, 1, right - Vec2(1.8 * disparity_px, 0), true});
+  const auto with = solve(problem);
+  ASSERT_TRUE(with->solved());
+  EXPECT_LT(worst(problem, *with, 3), 1.1 * worst(problem, *without, 3) + 1e-4);
+  EXPECT_EQ(with->point(bad), start_W) << "it stays";
+  EXPECT_GT(with->residual_sigma(bad, 1), 3 * problem.params.outlier_sigma) << "and is found";
+  EXPECT_TRUE(with->errors_known());
 }
 
 TEST(bundle, full_pools_say_so_and_what_is_in_still_solves) {

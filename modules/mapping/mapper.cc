@@ -500,17 +500,17 @@ void Mapper::add_points(size_t window_begin) {
 }
 
 void Mapper::finish() {
+  const bool adjusted = bundle_.solved() && bundle_.errors_known();
   ++counters_.adjustments;
-  if (!bundle_.solved()) {
-    ++counters_.adjustments_failed;
-  } else {
+  if (adjusted) {
     write_back();
-    remove_outliers();
-    newest_cov_ = bundle_.newest_cov();
-    if (bundle_.errors_known()) spread_error();
+    spread_error();
+  } else {
+    ++counters_.adjustments_failed;
   }
+  remove_outliers();  // above all after a failure: the next adjustment would meet them again
   remove_weak_points();
-  publish(bundle_.solved());
+  publish(adjusted);
 }
 
 void Mapper::write_back() {
@@ -530,6 +530,7 @@ void Mapper::spread_error() {
   Keyframe& oldest = keyframe(members_[static_cast<size_t>(window_first_)].order);
   const Keyframe& newest = keyframe(order_.size() - 1);
   const Mat6& A = bundle_.oldest_follows();
+  newest_cov_ = bundle_.newest_cov();
   last_added_ = oldest.added = error_of_pose(oldest.state.T_WB.R, bundle_.oldest_pose_cov());
   oldest.error = error_of_pose(oldest.state.T_WB.R, A * held_error_ * A.transpose()) + oldest.added;
   const Mat6 B = bundle_.newest_follows().topRows<6>();

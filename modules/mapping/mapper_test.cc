@@ -150,6 +150,25 @@ TEST(mapper, a_closed_loop_moves_what_came_since_and_nothing_before) {
   EXPECT_LT((way.snapshot->state.T_WB.p - (way.T_drift * expected.T_WB).p).norm(), 0.01);
 }
 
+// Without its IMU link, nothing determines the newest keyframe's velocity: no step is possible.
+TEST(mapper, outliers_leave_the_map_even_when_the_adjustment_fails) {
+  Way way;
+  for (int i = 0; i < 6; ++i) {
+    way.next();
+    way.map();
+  }
+  ASSERT_EQ(way.mapper->counters().adjustments_failed, 0u);
+  const uint32_t removed = way.mapper->counters().observations_removed;
+  KeyframeMessage& message = way.next();
+  message.linked = false;
+  constexpr uint32_t kOutliers = 7;
+  for (uint32_t i = 0; i < kOutliers; ++i) message.observations[0][10 * i].y += 30;
+  way.map();
+  EXPECT_FALSE(way.snapshot->adjusted);
+  EXPECT_EQ(way.mapper->counters().adjustments_failed, 1u);
+  EXPECT_GT(way.mapper->counters().observations_removed, removed + kOutliers / 2);
+}
+
 // Keyframes and points alone: no adjustment.
 void send(Way& way, int keyframes) {
   for (int i = 0; i < keyframes; ++i) {
