@@ -12,11 +12,11 @@
 #include "bsp/api/camera.h"
 #include "core/base/status.h"
 #include "core/sched/scheduler.h"
+#include "modules/app/app_params.h"
 #include "modules/calibration/calibration.h"
 #include "modules/door/clock_check.h"
 #include "modules/door/door.h"
 #include "modules/frontend/frontend.h"
-#include "modules/imu/imu_params.h"
 #include "modules/mapping/mapper.h"
 #include "modules/recorder/recorder.h"
 #include "modules/tracking/tracker.h"
@@ -47,14 +47,6 @@ struct AppSinks {
   void (*frame)(void*, const FrameReport&) = nullptr;
   void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
   void (*keyframe)(void*, const BodyState&) = nullptr;  // leaving the map, refined as it is then
-};
-
-struct AppParams {
-  DoorParams door;
-  ImuParams imu;
-  FrontendParams frontend;
-  TrackingParams tracking;
-  MappingParams mapping;
 };
 
 // The farthest that a replay as fast as possible runs ahead of mapping: what a device whose mapping
