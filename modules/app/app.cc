@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <new>
 
 #include "bsp/api/clock.h"
@@ -22,6 +23,9 @@ const char* event_of(const FrameResult& result) {
 }
 
 constexpr TimeNs kDoubtMax_ns = 2'000'000'000;  // undecided for longer: a body that hardly turns
+
+constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
+                                     "overruns_tracking", "overruns_mapping"};
 
 float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
 
@@ -224,8 +228,14 @@ Step App::mapping_step() {
   return Step::kAgain;
 }
 
+// For counters(): the scheduler lives as long as run() alone.
+void App::note_task_counters() {
+  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler_->counters(static_cast<size_t>(i));
+}
+
 // A frame is reported when the next one begins, so that mapping's share of the time is known.
 void App::flush_report() {
+  note_task_counters();
   if (!report_pending_) return;
   report_pending_ = false;
   report_.mapping_ms = to_ms(mapping_ns_.exchange(0));
@@ -237,6 +247,7 @@ void App::flush_report() {
 Status App::run(const CorePlan& plan, Pace pace) {
   plan_ = plan;
   pace_ = pace;
+  static_assert(std::size(kOverruns) == kTasks);
   // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
   const Task tasks[kTasks] = {
       // name         step                                              context  period  budget core
@@ -273,9 +284,8 @@ Status App::run(const CorePlan& plan, Pace pace) {
   }
   recorder_.stop();
   bsp::join_cores();
-  scheduler_ = nullptr;
-  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler.counters(static_cast<size_t>(i));
   flush_report();
+  scheduler_ = nullptr;
   return tracker_.running() ? Status::kOk : Status::kBadData;
 }
 
@@ -302,57 +312,19 @@ int App::counters(NamedValue* out, int max) const {
   const auto add = [&](const char* name, uint64_t value) {
     if (count < max) out[count++] = {name, value};
   };
-  for (int i = 0; i < static_cast<int>(DoorLoss::kCount); ++i) {
-    add(name(static_cast<DoorLoss>(i)), door_.losses().count[i]);
+  for_each_counter(door_.losses(), add);
+  if (recorder_.started()) {
+    for_each_counter(recorder_.losses(), add);
+    add("frames_recorded", recorder_.frames_written());
   }
-  for (int i = 0; recorder_.started() && i < static_cast<int>(RecordLoss::kCount); ++i) {
-    add(name(static_cast<RecordLoss>(i)), recorder_.losses(static_cast<RecordLoss>(i)));
-  }
-  if (recorder_.started()) add("frames_recorded", recorder_.frames_written());
-  for (int i = 0; i < static_cast<int>(TrackLoss::kCount); ++i) {
-    add(name(static_cast<TrackLoss>(i)), frontend_[0].losses()[i] + frontend_[1].losses()[i]);
-  }
-  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i) {
-    add(name(static_cast<StereoLoss>(i)), tracker_.stereo().losses()[i]);
-  }
-  const TrackingCounters& t = tracker_.counters();
-  for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
-    add(name(static_cast<Gate>(i)), t.gates[i]);
-  }
-  static constexpr const char* kOverruns[kTasks] = {
-      "overruns_door", "overruns_left", "overruns_right", "overruns_tracking", "overruns_mapping"};
+  CounterArray<TrackLoss> lost_tracks;
+  for (const Frontend& frontend : frontend_) lost_tracks += frontend.losses();
+  for_each_counter(lost_tracks, add);
+  for_each_counter(tracker_.stereo().losses(), add);
+  for_each_counter(tracker_.counters().gates, add);
   for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
-  add("frames", t.frames);
-  add("frames_with_pose", t.frames_with_pose);
-  add("starts", t.starts);
-  add("start_failures", t.start_failures);
-  add("losses", t.losses);
-  add("keyframes", t.keyframes);
-  add("keyframes_dropped", t.keyframes_dropped);
-  add("snapshots_late", t.snapshots_late);
-  add("matched_by_projection", t.matched_by_projection);
-  add("standstill_frames", t.standstill_frames);
-  add("tracks_dropped", t.tracks_dropped);
-  add("recognitions", t.recognitions);
-  add("recognitions_failed", t.recognitions_failed);
-  add("joins", t.joins);
-  add("loops", t.loops);
-  add("loops_implausible", t.loops_implausible);
-  add("loops_held", t.loops_held);
-  add("jumps", t.jumps);
-  const MappingCounters& m = mapper_.counters();
-  add("keyframes_removed", m.keyframes_removed);
-  add("adjustments", m.adjustments);
-  add("adjustments_failed", m.adjustments_failed);
-  add("points_stereo", m.points_stereo);
-  add("points_temporal", m.points_temporal);
-  add("points_removed", m.points_removed);
-  add("points_full", m.points_full);
-  add("points_forgotten", m.points_forgotten);
-  add("points_rejected", m.points_rejected);
-  add("observations_removed", m.observations_removed);
-  add("bundle_full", m.bundle_full);
-  add("restarts", m.restarts);
+  for_each_counter(tracker_.counters(), kTrackingCounters, add);
+  for_each_counter(mapper_.counters(), kMappingCounters, add);
   return count;
 }
 

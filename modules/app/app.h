@@ -82,7 +82,8 @@ class App {
   Status run(const CorePlan& plan, Pace pace);
 
   const Map& map() const { return mapper_.map(); }
-  // Every counter of rejections and faults; sizes of the static pools in bytes. Return the count.
+  // Every counter of rejections and faults, from any core, also while run() runs; sizes of the static
+  // pools in bytes. Return how many there are.
   int counters(NamedValue* out, int max) const;
   static int pools(NamedValue* out, int max);
 
@@ -99,6 +100,7 @@ class App {
   bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
   Status start_recorder();
+  void note_task_counters();
   void begin_frame(const DoorFrame& frame);
   void deliver(const ImuSample& sample);
   void flush_report();
