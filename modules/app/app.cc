@@ -53,7 +53,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
 
 Status App::record() {
   const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
-                                        calibration_.camera_time_offset);
+                                        calibration_.camera_time_offset_ns);
   if (status != Status::kOk) {
     recorder_.finish();
     return status;
