@@ -93,6 +93,7 @@ class App {
   void end_when_done();
   bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
+  void note_task_counters();
   bool command_step();
   Status execute(const Command& command);
   Status start_recording();

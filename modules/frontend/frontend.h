@@ -9,6 +9,7 @@
 //         Shi, Tomasi, CVPR 1994 (corners).
 #pragma once
 
+#include "core/base/counter.h"
 #include "core/base/limits.h"
 #include "core/base/status.h"
 #include "core/base/time.h"
@@ -50,6 +51,15 @@ using Tracks = FixedVector<Track, kTracksMax>;
 enum class TrackLoss : uint8_t { kLeftImage, kFlow, kResidual, kReturn, kSpacing, kCount };
 const char* name(TrackLoss loss);
 
+// The cells in which corners are looked for: an image without the margin that describe() needs.
+struct DetectionGrid {
+  int side_px = 0, columns = 0, rows = 0;
+};
+inline constexpr int kDetectionCellsMax = 2048;
+// Cells of the wanted side; larger ones where more than kDetectionCellsMax would be needed, smaller
+// ones where not a single one fits, none where the image is all margin.
+DetectionGrid detection_grid(int width, int height, int side_px);
+
 class Frontend {
  public:
   void configure(const Camera& camera, const FrontendParams& params);
@@ -70,7 +80,7 @@ class Frontend {
   Track* nearest(float x, float y, float radius_px);
 
   const PyramidStore& pyramid() const { return pyramid_[current_]; }
-  const uint32_t* losses() const { return losses_; }
+  const CounterArray<TrackLoss>& losses() const { return losses_; }
 
  private:
   void follow();
@@ -87,9 +97,9 @@ class Frontend {
   TimeNs t_ = 0;
   TrackId next_id_ = 1;
   Tracks tracks_;
-  uint32_t losses_[static_cast<int>(TrackLoss::kCount)] = {};
-  static constexpr int kBinsMax = 2048;
-  uint8_t bin_wait_[kBinsMax] = {};
+  CounterArray<TrackLoss> losses_;
+  DetectionGrid grid_;
+  uint8_t bin_wait_[kDetectionCellsMax] = {};
 };
 
 }  // namespace pirvs

@@ -45,15 +45,15 @@ constexpr Row kRows[] = {
     {"frozen", FaultKind::kFrozen, Takes::kTime, Alone::kFromThereOn, 0, 0, "frozen:20-21",
      "both cameras repeat their last image under new stamps"},
     {"gain", FaultKind::kGain, Takes::kTimeAndValue, Alone::kFromThereOn, 0.01, 100, "gain:18x4",
-     "exposure jumps by this factor"},
+     "the brightness of both images changes by this factor"},
     {"frames", FaultKind::kFrames, Takes::kValue, Alone::kFromThereOn, 0, 1, "frames:0.1",
-     "this share of the frames is lost at random, the same ones every time"},
+     "this share of the frames is lost, at random with a fixed seed"},
     {"late", FaultKind::kLate, Takes::kTime, Alone::kOneItem, 0, 0, "late:8",
      "the right camera delivers its previous image, under that image's stamp"},
     {"imu", FaultKind::kImu, Takes::kTime, Alone::kFromThereOn, 0, 0, "imu:30-30.1",
      "no IMU samples"},
     {"nan", FaultKind::kNan, Takes::kTime, Alone::kOneItem, 0, 0, "nan:15",
-     "an IMU sample that is no number"},
+     "an IMU sample that is NaN"},
     {"spike", FaultKind::kSpike, Takes::kTime, Alone::kOneItem, 0, 0, "spike:15",
      "an IMU sample that reads 30 rad/s and -150 m/s^2; A-B: every tenth"},
     {"saturate", FaultKind::kSaturate, Takes::kTime, Alone::kOneItem, 0, 0, "saturate:15-15.2",
@@ -65,9 +65,9 @@ constexpr Row kRows[] = {
     {"clock", FaultKind::kClock, Takes::kTimeAndValue, Alone::kFromThereOn, -1e5, 1e5, "clock:12x5",
      "the clock of all sensors jumps by this many seconds"},
     {"clock-imu", FaultKind::kClockImu, Takes::kTimeAndValue, Alone::kFromThereOn, -1e5, 1e5,
-     "clock-imu:12x-2", "only the IMU's does"},
+     "clock-imu:12x-2", "the clock of the IMU alone jumps by this many seconds"},
     {"clock-cam", FaultKind::kClockCam, Takes::kTimeAndValue, Alone::kFromThereOn, -1e5, 1e5,
-     "clock-cam:12x5", "only the cameras' does"},
+     "clock-cam:12x5", "the clock of the cameras alone jumps by this many seconds"},
 };
 static_assert(std::size(kRows) == static_cast<size_t>(FaultKind::kCount));
 
@@ -165,7 +165,7 @@ std::string fault_help() {
 
 FaultLine::FaultLine(const std::vector<Fault>& faults, const Recording& recording)
     : first_frame_(recording.frames.front().t),
-      camera_time_offset_(recording.calibration.camera_time_offset) {
+      camera_time_offset_(recording.calibration.camera_time_offset_ns) {
   const TimeNs length = recording.frames.back().t - first_frame_;
   for (const Fault& fault : faults) {
     if (fault.begin > length) {
