@@ -21,24 +21,30 @@ struct FrontendParams {
 };
 
 inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
-    {"tracks_target", &FrontendParams::tracks_target, 10, 240, "1", "tracks wanted per camera"},
-    {"bin_px", &FrontendParams::bin_px, 16, 64, "px", "side of a spatial bin, one new corner each"},
-    {"track_spacing_px_min", &FrontendParams::track_spacing_px_min, 4, 64, "px",
-     "no new corner nearer to a track"},
+    {"tracks_target", &FrontendParams::tracks_target, 10, 240, count_of("tracks"), Audience::kUser,
+     "tracks per camera that detection aims at; more cost time in every frame"},
+    {"bin_px", &FrontendParams::bin_px, 16, 64, count_of("px"), Audience::kExpert,
+     "side of the grid cells of detection, one new corner in each; larger where the grid would "
+     "hold too many"},
+    {"track_spacing_px_min", &FrontendParams::track_spacing_px_min, 4, 64, "px", Audience::kExpert,
+     "smallest distance of a new corner to the other tracks"},
     {"corner_response_min", &FrontendParams::corner_response_min, 0, 1e9f, "grey^2",
-     "weakest Shi-Tomasi response that becomes a track"},
-    {"lk_levels", &FrontendParams::lk_levels, 2, 5, "1", "pyramid levels that flow is followed on"},
-    {"lk_iterations_max", &FrontendParams::lk_iterations_max, 1, 30, "1",
-     "Gauss-Newton steps per level"},
-    {"lk_step_px_min", &FrontendParams::lk_step_px_min, 0.001f, 1, "px",
-     "flow has converged below this step"},
+     Audience::kExpert, "smallest Shi-Tomasi response of a corner that becomes a track"},
+    {"lk_levels", &FrontendParams::lk_levels, 2, 5, count_of("levels"), Audience::kExpert,
+     "pyramid levels of optical flow"},
+    {"lk_iterations_max", &FrontendParams::lk_iterations_max, 1, 30, count_of("steps"),
+     Audience::kExpert, "Gauss-Newton steps of optical flow per pyramid level"},
+    {"lk_step_px_min", &FrontendParams::lk_step_px_min, 0.001f, 1, "px", Audience::kExpert,
+     "a step of optical flow below this has converged"},
     {"lk_residual_grey_max", &FrontendParams::lk_residual_grey_max, 1, 128, "grey",
-     "drop a track above this mean |dI|"},
-    {"lk_return_px_max", &FrontendParams::lk_return_px_max, 0.05f, 10, "px",
-     "drop a track that flows back to another place"},
-    {"bin_wait_frames", &FrontendParams::bin_wait_frames, 0, 30, "frames",
-     "pause of a bin in which no corner was found"},
+     Audience::kExpert, "largest mean absolute difference between a track's patch and the image"},
+    {"lk_return_px_max", &FrontendParams::lk_return_px_max, 0.05f, 10, "px", Audience::kExpert,
+     "forward-backward check: largest distance to where flow back to the previous image should "
+     "end"},
+    {"bin_wait_frames", &FrontendParams::bin_wait_frames, 0, 30, count_of("frames"),
+     Audience::kExpert, "frames for which a grid cell without a corner is not searched again"},
 };
 static_assert(sizeof(FrontendParams) == std::size(kFrontendRows) * sizeof(float));
+static_assert(in_range(FrontendParams{}, kFrontendRows));
 
 }  // namespace pirvs

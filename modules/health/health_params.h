@@ -21,23 +21,29 @@ struct HealthParams {
 };
 
 inline constexpr ParamRow<HealthParams> kHealthRows[] = {
-    {"matches_min", &HealthParams::matches_min, 1, 100, "1",
-     "fewer accepted correspondences: degraded"},
-    {"lost_s", &HealthParams::lost_s, 0.1f, 60, "s", "degraded for longer and uncertain: lost"},
-    {"lost_sigma_m", &HealthParams::lost_sigma_m, 0.01f, 100, "m",
-     "position sigma above which a degraded track is lost"},
-    {"recover_matches", &HealthParams::recover_matches, 1, 200, "1",
-     "so many accepted correspondences end a degraded state"},
-    {"recover_s", &HealthParams::recover_s, 0, 5, "s", "when they have been there for this long"},
-    {"full_matches", &HealthParams::full_matches, 1, 400, "1",
-     "accepted correspondences that deserve full confidence"},
-    {"blind_half_s", &HealthParams::blind_half_s, 0.01f, 60, "s",
-     "without correspondences, confidence halves over this time"},
-    {"sigma_half_m", &HealthParams::sigma_half_m, 0.001f, 100, "m",
-     "position sigma that halves the confidence"},
-    {"jump_m", &HealthParams::jump_m, 0.001f, 10, "m", "a correction larger than this is a jump"},
-    {"jump_rad", &HealthParams::jump_rad, 1e-4f, 3, "rad", "or one that turns by more than this"},
+    {"matches_min", &HealthParams::matches_min, 1, 100, count_of("matches"), Audience::kExpert,
+     "a frame with fewer accepted correspondences is degraded"},
+    {"lost_s", &HealthParams::lost_s, 0.1f, 60, "s", Audience::kUser,
+     "tracking is lost once it has been degraded for this long and is as uncertain as "
+     "lost_sigma_m"},
+    {"lost_sigma_m", &HealthParams::lost_sigma_m, 0.01f, 100, "m", Audience::kUser,
+     "standard deviation of the position from which degraded tracking can be lost"},
+    {"recover_matches", &HealthParams::recover_matches, 1, 200, count_of("matches"),
+     Audience::kExpert, "accepted correspondences that end the degraded state"},
+    {"recover_s", &HealthParams::recover_s, 0, 5, "s", Audience::kExpert,
+     "time for which recover_matches must hold to end the degraded state"},
+    {"full_matches", &HealthParams::full_matches, 1, 400, count_of("matches"), Audience::kExpert,
+     "accepted correspondences from which on they no longer reduce the confidence"},
+    {"blind_half_s", &HealthParams::blind_half_s, 0.01f, 60, "s", Audience::kExpert,
+     "half-life of the confidence without correspondences (dead reckoning)"},
+    {"sigma_half_m", &HealthParams::sigma_half_m, 0.001f, 100, "m", Audience::kUser,
+     "standard deviation of the position that halves the confidence"},
+    {"jump_m", &HealthParams::jump_m, 0.001f, 10, "m", Audience::kUser,
+     "a correction that moves the pose by more is reported as a jump"},
+    {"jump_rad", &HealthParams::jump_rad, 1e-4f, 3, "rad", Audience::kUser,
+     "a correction that turns the pose by more is reported as a jump"},
 };
 static_assert(sizeof(HealthParams) == std::size(kHealthRows) * sizeof(float));
+static_assert(in_range(HealthParams{}, kHealthRows));
 
 }  // namespace pirvs

@@ -14,12 +14,14 @@ struct ImuParams {
 };
 
 inline constexpr ParamRow<ImuParams> kImuRows[] = {
-    {"gyro_noise_scale", &ImuParams::gyro_noise_scale, 0.1f, 50, "1",
-     "times the gyro's calibrated white noise"},
-    {"accel_noise_scale", &ImuParams::accel_noise_scale, 0.1f, 50, "1",
-     "times the accelerometer's: vibration, scale and alignment errors look like noise"},
+    {"gyro_noise_scale", &ImuParams::gyro_noise_scale, 0.1f, 50, "1", Audience::kUser,
+     "factor on the calibrated white noise of the gyro, for vibration, scale and alignment errors"},
+    {"accel_noise_scale", &ImuParams::accel_noise_scale, 0.1f, 50, "1", Audience::kUser,
+     "factor on the calibrated white noise of the accelerometer, for vibration, scale and "
+     "alignment errors"},
 };
 static_assert(sizeof(ImuParams) == std::size(kImuRows) * sizeof(float));
+static_assert(in_range(ImuParams{}, kImuRows));
 
 // The walks stay as calibrated.
 inline ImuNoise scaled(const ImuNoise& noise, const ImuParams& params) {

@@ -17,18 +17,20 @@ struct MatchingParams {
 };
 
 inline constexpr ParamRow<MatchingParams> kMatchingRows[] = {
-    {"match_distance_max", &MatchingParams::match_distance_max, 1, 256, "bit",
-     "worst descriptor distance of a match by projection"},
-    {"match_ratio_max", &MatchingParams::match_ratio_max, 0.1f, 1, "1",
-     "best over second best descriptor distance"},
-    {"match_radius_px_min", &MatchingParams::match_radius_px_min, 0.5f, 50, "px",
-     "smallest search window of a projected point"},
-    {"match_radius_px_max", &MatchingParams::match_radius_px_max, 1, 200, "px",
-     "largest search window of a projected point"},
-    {"recognise_matches_min", &MatchingParams::recognise_matches_min, 4, 200, "1",
-     "matches that fit one pose and make a place recognised"},
-    {"loop_keyframes_min", &MatchingParams::loop_keyframes_min, 5, 384, "1",
-     "a point seen last so many keyframes ago is old: where it is found again, a loop closes"},
+    {"match_distance_max", &MatchingParams::match_distance_max, 1, 256, "bit", Audience::kExpert,
+     "largest Hamming distance of the descriptors of a match"},
+    {"match_ratio_max", &MatchingParams::match_ratio_max, 0.1f, 1, "1", Audience::kExpert,
+     "ratio test: largest quotient of the best and the second best descriptor distance"},
+    {"match_radius_px_min", &MatchingParams::match_radius_px_min, 0.5f, 50, "px", Audience::kExpert,
+     "smallest search radius around a projected map point"},
+    {"match_radius_px_max", &MatchingParams::match_radius_px_max, 1, 200, "px", Audience::kExpert,
+     "largest search radius around a projected map point"},
+    {"recognise_matches_min", &MatchingParams::recognise_matches_min, 4, 200, count_of("matches"),
+     Audience::kExpert, "inliers of one pose that relocalize in a known place"},
+    {"loop_keyframes_min", &MatchingParams::loop_keyframes_min, 5, 384, count_of("keyframes"),
+     Audience::kExpert,
+     "age of a map point, in keyframes since its last observation, from which seeing it again is a "
+     "loop"},
 };
 static_assert(sizeof(MatchingParams) == std::size(kMatchingRows) * sizeof(float));
 static_assert(in_range(MatchingParams{}, kMatchingRows));

@@ -8,6 +8,8 @@
 //         constraint").
 #pragma once
 
+#include <iterator>
+
 #include "core/camera/camera.h"
 #include "core/params/params.h"
 #include "modules/frontend/pyramid_store.h"
@@ -37,19 +39,21 @@ struct StereoParams {
 };
 
 inline constexpr ParamRow<StereoParams> kStereoRows[] = {
-    {"depth_m_min", &StereoParams::depth_m_min, 0.05f, 5, "m",
-     "nearest point that is searched for"},
-    {"zssd_grey2_max", &StereoParams::zssd_grey2_max, 1, 10000, "grey^2",
-     "worst mean squared difference on the epipolar curve"},
-    {"ambiguity_ratio_max", &StereoParams::ambiguity_ratio_max, 0.1f, 1, "1",
-     "best over second best place, above which neither is taken"},
-    {"residual_grey_max", &StereoParams::residual_grey_max, 1, 128, "grey",
-     "worst mean |dI| after flow"},
-    {"epipolar_px_max", &StereoParams::epipolar_px_max, 0.1f, 10, "px",
-     "farthest from the epipolar curve"},
-    {"return_px_max", &StereoParams::return_px_max, 0.05f, 10, "px",
-     "drop a match that flows back to another place"},
+    {"depth_m_min", &StereoParams::depth_m_min, 0.05f, 5, "m", Audience::kUser,
+     "depth of the nearest point that stereo matching searches for"},
+    {"zssd_grey2_max", &StereoParams::zssd_grey2_max, 1, 10000, "grey^2", Audience::kExpert,
+     "largest mean squared difference, means removed, of a match on the epipolar curve"},
+    {"ambiguity_ratio_max", &StereoParams::ambiguity_ratio_max, 0.1f, 1, "1", Audience::kExpert,
+     "ratio test: largest quotient of the best and the second best match on the epipolar curve"},
+    {"residual_grey_max", &StereoParams::residual_grey_max, 1, 128, "grey", Audience::kExpert,
+     "largest mean absolute difference of the patches after optical flow"},
+    {"epipolar_px_max", &StereoParams::epipolar_px_max, 0.1f, 10, "px", Audience::kExpert,
+     "largest distance of a match from the epipolar curve"},
+    {"return_px_max", &StereoParams::return_px_max, 0.05f, 10, "px", Audience::kExpert,
+     "left-right check: largest distance to where flow back to the first camera should end"},
 };
+static_assert(sizeof(StereoParams) == std::size(kStereoRows) * sizeof(float));
+static_assert(in_range(StereoParams{}, kStereoRows));
 
 class StereoMatcher {
  public:

@@ -122,7 +122,7 @@ void parameter(const uint8_t* data, size_t size) {
   expect_result_or_refusal([&] {
     AppParams params;
     tools::set_parameter(params, assignment);
-    PIRVS_ASSERT(!tools::list_parameters(params).empty());
+    PIRVS_ASSERT(!tools::list_parameters(params, true).empty());
   });
 }
 

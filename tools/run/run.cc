@@ -125,7 +125,7 @@ std::function<int()> declare_run(CLI::App& app) {
       ->check(CLI::Range(0, MapGate::kLagMax))
       ->excludes(real_time);
   app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
-  app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
+  app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
   app.add_option("--fault", o->faults, "SPEC, break the input; repeatable, see below")
       ->allow_extra_args(false);
@@ -134,9 +134,11 @@ std::function<int()> declare_run(CLI::App& app) {
   return [o, &app] { return run(*o, command_line(app)); };
 }
 
-std::function<int()> declare_params(CLI::App&) {
-  return [] {
-    std::printf("%s", list_parameters(AppParams{}).c_str());
+std::function<int()> declare_params(CLI::App& app) {
+  const auto all = std::make_shared<bool>(false);
+  app.add_flag("--all", *all, "also those for experts: the estimator's noise model and limits");
+  return [all] {
+    std::printf("%s", list_parameters(AppParams{}, *all).c_str());
     return kExitDone;
   };
 }

@@ -102,11 +102,16 @@ TEST(run, parameters_are_set_by_name_and_checked) {
   EXPECT_EQ(params.frontend.lk_levels, 3);
   set_parameter(params, "frontend.lk_levels=2");
   EXPECT_EQ(params.frontend.lk_levels, 2);
-  for (const char* bad : {"lk_levels", "lk_levels=", "lk_levels=two", "lk_levels=1000", "nothing=1",
-                          "filter.lk_levels=3", "lk_levels=nan", "sigma_px=1"}) {
+  for (const char* bad :
+       {"lk_levels", "lk_levels=", "lk_levels=two", "lk_levels=1000", "lk_levels=2.5", "nothing=1",
+        "filter.lk_levels=3", "lk_levels=nan", "sigma_px=1"}) {
     EXPECT_THROW(set_parameter(params, bad), InputError) << bad;
   }
-  EXPECT_NE(list_parameters(params).find("frontend.lk_levels"), std::string::npos);
+  const std::string all = list_parameters(params, true), user = list_parameters(params, false);
+  EXPECT_NE(all.find("frontend.lk_levels"), std::string::npos);
+  EXPECT_EQ(user.find("frontend.lk_levels"), std::string::npos);
+  EXPECT_NE(all.find("frontend.tracks_target"), std::string::npos);
+  EXPECT_NE(user.find("frontend.tracks_target"), std::string::npos);
 }
 
 TEST(report, is_one_file_and_escapes_what_it_shows) {
