@@ -32,9 +32,22 @@ const char* name(TrackLoss loss) {
   return kNames[static_cast<size_t>(loss)];
 }
 
+DetectionGrid detection_grid(int width, int height, int side_px) {
+  constexpr int kMargin = static_cast<int>(kDetectMargin_px);
+  static_assert(
+      (kImageWidthMax / kCornerSizeMax) * (kImageHeightMax / kCornerSizeMax) <= kDetectionCellsMax,
+      "cells of the size that corner_best takes cover the largest image");
+  const int room_x = width - 2 * kMargin, room_y = height - 2 * kMargin;
+  if (room_x <= 0 || room_y <= 0) return {side_px, 0, 0};
+  int side = std::min({side_px, room_x, room_y});
+  while ((room_x / side) * (room_y / side) > kDetectionCellsMax) ++side;
+  return {side, room_x / side, room_y / side};
+}
+
 void Frontend::configure(const Camera& camera, const FrontendParams& params) {
   camera_ = camera;
   params_ = params;
+  grid_ = detection_grid(camera.width, camera.height, static_cast<int>(params.bin_px));
   reset();
 }
 
@@ -150,18 +163,16 @@ void Frontend::detect(const Vec3& gravity_C) {
   const size_t target = static_cast<size_t>(params_.tracks_target);
   if (tracks_.size() >= target) return;
   const ImageView& image = pyramid_[current_].level(0);
-  const int bin = static_cast<int>(params_.bin_px), margin = static_cast<int>(kDetectMargin_px);
-  const int columns = (image.width - 2 * margin) / bin, rows = (image.height - 2 * margin) / bin;
-  PIRVS_ASSERT(columns > 0 && rows > 0 && columns * rows <= kBinsMax);
-
-  bool taken[kBinsMax] = {};
+  const int bin = grid_.side_px, columns = grid_.columns, rows = grid_.rows;
+  const int margin = static_cast<int>(kDetectMargin_px);
+  bool taken[kDetectionCellsMax] = {};
   for (const Track& track : tracks_) {
     const int column = (static_cast<int>(track.x) - margin) / bin;
     const int row = (static_cast<int>(track.y) - margin) / bin;
     if (column < 0 || row < 0 || column >= columns || row >= rows) continue;
     taken[row * columns + column] = true;
   }
-  FixedVector<Corner, kBinsMax> found;
+  FixedVector<Corner, kDetectionCellsMax> found;
   for (int b = 0; b < columns * rows; ++b) {
     if (taken[b]) continue;
     if (bin_wait_[b] > 0) {

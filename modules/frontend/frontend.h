@@ -50,6 +50,15 @@ using Tracks = FixedVector<Track, kTracksMax>;
 enum class TrackLoss : uint8_t { kLeftImage, kFlow, kResidual, kReturn, kSpacing, kCount };
 const char* name(TrackLoss loss);
 
+// The cells in which corners are looked for: an image without the margin that describe() needs.
+struct DetectionGrid {
+  int side_px = 0, columns = 0, rows = 0;
+};
+inline constexpr int kDetectionCellsMax = 2048;
+// Cells of the wanted side; larger ones where more than kDetectionCellsMax would be needed, smaller
+// ones where not a single one fits, none where the image is all margin.
+DetectionGrid detection_grid(int width, int height, int side_px);
+
 class Frontend {
  public:
   void configure(const Camera& camera, const FrontendParams& params);
@@ -88,8 +97,8 @@ class Frontend {
   TrackId next_id_ = 1;
   Tracks tracks_;
   uint32_t losses_[static_cast<int>(TrackLoss::kCount)] = {};
-  static constexpr int kBinsMax = 2048;
-  uint8_t bin_wait_[kBinsMax] = {};
+  DetectionGrid grid_;
+  uint8_t bin_wait_[kDetectionCellsMax] = {};
 };
 
 }  // namespace pirvs

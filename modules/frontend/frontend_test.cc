@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <memory>
 #include <set>
 #include <vector>
 
+#include "core/kernels/corner/corner.h"
 #include "core/kernels/hamming/hamming.h"
 #include "modules/testing.h"
 
@@ -75,6 +77,35 @@ TEST(frontend, fills_every_bin_with_a_described_track) {
     }
   }
   EXPECT_GE(bins.size(), 20u) << "of 25; the spacing may leave some empty";
+}
+
+TEST(frontend, any_legal_cell_size_suits_any_image) {
+  for (int side = 16; side <= 64; ++side) {
+    for (const int width : {16, 40, 41, 55, 100, 512, 752, 848, 1024, 1280}) {
+      for (const int height : {16, 48, 480, 800, 1024, 1280}) {
+        const DetectionGrid grid = detection_grid(width, height, side);
+        const bool room = width > 40 && height > 40;
+        ASSERT_EQ(grid.columns > 0 && grid.rows > 0, room);
+        ASSERT_LE(grid.columns * grid.rows, kDetectionCellsMax);
+        ASSERT_LE(grid.side_px, kCornerSizeMax);
+        if (!room) continue;
+        ASSERT_LE(grid.columns * grid.side_px, width - 40);
+        ASSERT_LE(grid.rows * grid.side_px, height - 40);
+        if (width <= 752 && height <= 480 && std::min(width, height) >= 40 + side) {
+          ASSERT_EQ(grid.side_px, side) << "as wanted where it fits";
+        }
+      }
+    }
+  }
+}
+
+TEST(frontend, an_image_that_is_all_margin_has_no_tracks) {
+  Slide s;
+  s.camera.width = s.camera.height = 40;
+  s.frontend->configure(s.camera, s.params);
+  const std::vector<uint8_t> grey(40 * 40, 100);
+  EXPECT_EQ(s.frontend->process({grey.data(), 40, 40, 40}, 1, kDown_C), Status::kOk);
+  EXPECT_EQ(s.tracks().size(), 0u);
 }
 
 TEST(frontend, keeps_to_the_number_of_tracks_wanted) {
