@@ -5,6 +5,7 @@
 //                           on one core
 //           semihosting     somebody keeps our files and wants an exit code
 //           profile         also say what each task took (board/bare/profile.h)
+//           group.name=X    sets a parameter, as --set of pirvs run does (pirvs params --all)
 //           bench           single kernels on two images of the recording instead (bench.h)
 //           fault=KIND      null, stack, hang or assert: do that at a frame, to see the report
 //           fault_at=N      at which (default 20); fault_core=N on that core, one at rest
@@ -124,6 +125,27 @@ int number_argument(const char* word, int fallback) {
     value = 10 * value + (*c - '0');
   }
   return value;
+}
+
+// Every parameter of the command line by its full name; said on the console, so that a name that was
+// mistyped is missed there.
+bool set_parameters(AppParams& params) {
+  bool good = true;
+  for_each_group(params, [&](const char* group, const auto&, const auto& rows) {
+    for (const auto& row : rows) {
+      Text<64> word;
+      word.put(group).put('.').put(row.name);
+      char text[TextWriter::kNumber];
+      if (!bsp::boot_argument(word.c_str(), text, sizeof text)) continue;
+      const ParamAnswer answer = set_parameter(params, word.c_str(), text);
+      good = good && answer.ok();
+      Text<160> line;
+      line.put("parameter ").put(word.c_str()).put(" = ").put(text).put(": ");
+      line.put(name(answer.status));
+      say(line);
+    }
+  });
+  return good;
 }
 
 Status open_recording() {
@@ -248,6 +270,8 @@ int application() {
     bsp::console_write("fault=: null, stack, hang or assert\n");
     return kExitBadInput;
   }
+  AppParams params;
+  if (!set_parameters(params)) return kExitBadInput;
   if (open_recording() != Status::kOk) return kExitBadInput;
   if (bsp::boot_argument("bench")) return bench();
   const int cores = number_argument("cores", kCores);
@@ -268,7 +292,7 @@ int application() {
   AppSinks sinks;
   sinks.frame = on_frame;
   sinks.health = on_health;
-  app.configure(calibration_of(run.pack), AppParams{}, sinks);
+  app.configure(calibration_of(run.pack), params, sinks);
   app.pace(free && cores > 1 ? fast_may_go_on : lockstep_may_go_on);
   const bool profiled = bsp::boot_argument("profile");
   if (profiled) profile_start();
