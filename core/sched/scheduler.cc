@@ -15,7 +15,7 @@ bool Scheduler::poll(int core) {
     return false;
   }
   if (!run_first_due(core, Mode::kTimed)) {
-    machine_.relax();
+    hooks_.relax();
     forget_idle(core);  // another core may have left something
   }
   return true;
@@ -38,20 +38,11 @@ void Scheduler::trigger(size_t task) {
   PIRVS_ASSERT(task < count_ && tasks_[task].triggered);
   State& state = states_[task];
   // Release: what the caller wrote before is visible to the step.
-  if (state.pending.exchange(true, std::memory_order_acq_rel)) {
-    state.missed_triggers.fetch_add(1, std::memory_order_relaxed);
-  }
-}
-
-TaskCounters Scheduler::counters(size_t i) const {
-  PIRVS_ASSERT(i < count_);
-  TaskCounters counters = states_[i].counters;
-  counters.slips += states_[i].missed_triggers.load(std::memory_order_relaxed);
-  return counters;
+  if (state.pending.exchange(true, std::memory_order_acq_rel)) ++state.counters.slips;
 }
 
 bool Scheduler::run_first_due(int core, Mode mode) {
-  const TimeNs now = machine_.now();
+  const TimeNs now = hooks_.now();
   for (size_t i = 0; i < count_; ++i) {
     if (!runs_on(tasks_[i], core) || !is_due(i, now, mode)) continue;
     const Step step = execute(i, now);
@@ -92,11 +83,11 @@ Step Scheduler::execute(size_t i, TimeNs begin) {
   TaskCounters& counters = states_[i].counters;
   say_alive(task.name);
   const Step step = task.step(task.context, begin);
-  const TimeNs used = machine_.now() - begin;
+  const TimeNs used = hooks_.now() - begin;
   ++counters.runs;
-  counters.overruns += used > static_cast<TimeNs>(task.budget_us) * 1000;
+  if (used > static_cast<TimeNs>(task.budget_us) * 1000) ++counters.overruns;
   counters.busy_total += used;
-  counters.busy_max = std::max(counters.busy_max, used);
+  counters.busy_max.raise_to(used);
   return step;
 }
 

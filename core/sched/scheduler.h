@@ -20,6 +20,7 @@
 #include <cstdint>
 
 #include "core/base/assert.h"
+#include "core/base/counter.h"
 #include "core/base/time.h"
 
 namespace pirvs {
@@ -67,7 +68,8 @@ constexpr uint32_t longest_budget_us(const Task (&tasks)[N], int core = kAllCore
   return longest;
 }
 
-struct Machine {
+// What the schedule needs of the machine.
+struct SchedulerHooks {
   TimeNs (*now)();
   void (*relax)();  // called when nothing is due
   // Called with the task's name before each step, with nullptr when the core leaves the schedule.
@@ -75,11 +77,8 @@ struct Machine {
 };
 
 struct TaskCounters {
-  uint32_t runs = 0;
-  uint32_t overruns = 0;
-  uint32_t slips = 0;
-  TimeNs busy_total = 0;
-  TimeNs busy_max = 0;
+  Counter runs, overruns, slips;
+  BasicCounter<TimeNs> busy_total, busy_max;
 };
 
 class Scheduler {
@@ -88,8 +87,8 @@ class Scheduler {
 
   // The table must outlive the scheduler.
   template <size_t N>
-  Scheduler(const Task (&tasks)[N], const Machine& machine)
-      : tasks_(tasks), count_(N), machine_(machine) {
+  Scheduler(const Task (&tasks)[N], const SchedulerHooks& hooks)
+      : tasks_(tasks), count_(N), hooks_(hooks) {
     static_assert(N <= kTasksMax);
   }
 
@@ -106,13 +105,15 @@ class Scheduler {
     PIRVS_ASSERT(i < count_);
     return tasks_[i];
   }
-  TaskCounters counters(size_t i) const;  // exact once the task's core is at rest
+  const TaskCounters& counters(size_t i) const {  // from any core
+    PIRVS_ASSERT(i < count_);
+    return states_[i].counters;
+  }
 
  private:
-  // Written by the core that runs the row, but for the two atomics.
+  // Written by the core that runs the row, but for `pending` and the counters.
   struct State {
     std::atomic<bool> pending{false};
-    std::atomic<uint32_t> missed_triggers{0};
     bool idle = false;     // said kIdle, and nothing has happened on its core since
     bool again = false;    // said kAgain: due whatever its period or trigger says
     bool started = false;  // the first period begins when the row is first looked at
@@ -127,12 +128,12 @@ class Scheduler {
   Step execute(size_t i, TimeNs begin);
   void forget_idle(int core);
   void say_alive(const char* task) {
-    if (machine_.alive != nullptr) machine_.alive(task);
+    if (hooks_.alive != nullptr) hooks_.alive(task);
   }
 
   const Task* tasks_;
   size_t count_;
-  Machine machine_;
+  SchedulerHooks hooks_;
   State states_[kTasksMax];
   std::atomic<bool> stopped_{false};
 };

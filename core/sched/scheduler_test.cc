@@ -12,7 +12,7 @@ namespace {
 
 // A clock that moves by what steps spend and by 100 us at rest.
 TimeNs fake_time;
-const Machine kFakeMachine = {[] { return fake_time; }, [] { fake_time += 100'000; }};
+const SchedulerHooks kFakeHooks = {[] { return fake_time; }, [] { fake_time += 100'000; }};
 
 // A step that writes its letter, spends some time, and has a number of jobs.
 struct Job {
@@ -58,7 +58,7 @@ TEST_F(SchedulerTest, LockstepRestartsAtTheFirstRowAfterEveryJob) {
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0},
                         {"b", Job::step, &b, 0, 10, 1},
                         {"c", Job::step, &c, 50'000, 10, 0}};
-  Scheduler scheduler(tasks, kFakeMachine);
+  Scheduler scheduler(tasks, kFakeHooks);
   scheduler.run_until_idle();
   EXPECT_EQ(Job::log,
             "ab"
@@ -73,7 +73,7 @@ TEST_F(SchedulerTest, LockstepRestartsAtTheFirstRowAfterEveryJob) {
 TEST_F(SchedulerTest, PeriodsAreKeptAndBackgroundFillsTheRest) {
   Job a{'a'}, b{'b', 1'000'000, 5};
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 0, 2'000, 0}};
-  Scheduler scheduler(tasks, kFakeMachine);
+  Scheduler scheduler(tasks, kFakeHooks);
   a.scheduler = &scheduler;
   a.end = 50'000'000;
   scheduler.run(0);
@@ -87,7 +87,7 @@ TEST_F(SchedulerTest, PeriodsAreKeptAndBackgroundFillsTheRest) {
 TEST_F(SchedulerTest, OverrunsAndSlipsAreCounted) {
   Job a{'a'}, b{'b', 12'000'000};
   const Task tasks[] = {{"a", Job::step, &a, 5'000, 10, 0}, {"b", Job::step, &b, 40'000, 2'000, 0}};
-  Scheduler scheduler(tasks, kFakeMachine);
+  Scheduler scheduler(tasks, kFakeHooks);
   a.scheduler = &scheduler;
   a.end = 39'000'000;
   scheduler.run(0);
@@ -101,7 +101,7 @@ TEST_F(SchedulerTest, OverrunsAndSlipsAreCounted) {
 TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
   Job a{'a'};
   const Task tasks[] = {{"a", Job::step, &a, 10'000, 10, 0, true}};
-  Scheduler scheduler(tasks, kFakeMachine);
+  Scheduler scheduler(tasks, kFakeHooks);
   scheduler.run_until_idle();
   EXPECT_EQ(Job::log, "");
   scheduler.trigger(0);
@@ -117,7 +117,7 @@ TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
 TEST_F(SchedulerTest, EachCoreRunsItsOwnRows) {
   Job a{'a'}, b{'b'};
   const Task tasks[] = {{"a", Job::step, &a, 1'000, 10, 0}, {"b", Job::step, &b, 1'000, 10, 1}};
-  Scheduler scheduler(tasks, kFakeMachine);
+  Scheduler scheduler(tasks, kFakeHooks);
   b.scheduler = &scheduler;
   b.end = 3'000'000;
   scheduler.run(1);
@@ -150,12 +150,12 @@ struct Pipe {
 };
 
 TEST_F(SchedulerTest, TheSameTableRunsInLockstepOnOneCoreOrOnTwo) {
-  const Machine machine = {[] { return TimeNs{0}; }, [] { std::this_thread::yield(); }};
+  const SchedulerHooks hooks = {[] { return TimeNs{0}; }, [] { std::this_thread::yield(); }};
   for (int way = 0; way < 3; ++way) {
     Pipe pipe;
     const Task tasks[] = {{"produce", Pipe::produce, &pipe, 0, 10, 0},
                           {"consume", Pipe::consume, &pipe, 0, 10, 1}};
-    Scheduler scheduler(tasks, machine);
+    Scheduler scheduler(tasks, hooks);
     pipe.scheduler = &scheduler;
     if (way == 0) scheduler.run_until_idle();
     if (way == 1) scheduler.run(kAllCores);

@@ -62,6 +62,11 @@ void App::deliver(const ImuSample& sample) {
   }
 }
 
+// For counters(): the scheduler lives from start() to finish() alone.
+void App::note_task_counters() {
+  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler_->counters(static_cast<size_t>(i));
+}
+
 // No more is sensed: mapping finishes what it has.
 void App::end_when_done() {
   estimator_.map_gate().open();
@@ -83,6 +88,7 @@ Step App::door_step() {
   door_t_ = item.is_frame ? item.frame.t : item.imu.t;
   if (item.is_frame) {
     PIRVS_TRACE("door.frame");
+    note_task_counters();
     frame_present_ = item.frame.images.present;
     estimator_.begin(item.frame);
   } else {
@@ -121,7 +127,7 @@ Status App::start(const CorePlan& plan, Drive drive) {
        this, 0, 2'000, plan.mapping},
   };
   std::copy(std::begin(tasks), std::end(tasks), tasks_);
-  scheduler_.emplace(tasks_, Machine{bsp::now, bsp::relax, bsp::watchdog_kick});
+  scheduler_.emplace(tasks_, SchedulerHooks{bsp::now, bsp::relax, bsp::watchdog_kick});
   if (recorder_.started()) PIRVS_TRY(start_recorder_core());
   for (int i = 1; i < plan.cores; ++i) {
     cores_[i] = {&*scheduler_, i};
@@ -145,7 +151,7 @@ Status App::finish() {
   scheduler_->stop();
   recorder_.stop();
   bsp::join_cores();
-  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler_->counters(static_cast<size_t>(i));
+  note_task_counters();
   scheduler_.reset();
   estimator_.flush_report();
   return estimator_.tracker().running() ? Status::kOk : Status::kBadData;
@@ -175,15 +181,14 @@ int App::counters(NamedValue* out, int max) const {
   const auto add = [&](const char* name, uint64_t value) {
     if (count < max) out[count++] = {name, value};
   };
-  for (int i = 0; i < static_cast<int>(DoorLoss::kCount); ++i) {
-    add(name(static_cast<DoorLoss>(i)), door_.losses().count[i]);
+  for_each_counter(door_.losses(), add);
+  if (recorder_.started()) {
+    for_each_counter(recorder_.losses(), add);
+    add("frames_recorded", recorder_.frames_written());
   }
-  for (int i = 0; recorder_.started() && i < static_cast<int>(RecordLoss::kCount); ++i) {
-    add(name(static_cast<RecordLoss>(i)), recorder_.losses(static_cast<RecordLoss>(i)));
-  }
-  if (recorder_.started()) add("frames_recorded", recorder_.frames_written());
-  static constexpr const char* kOverruns[kTasks] = {
-      "overruns_door", "overruns_left", "overruns_right", "overruns_tracking", "overruns_mapping"};
+  static constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
+                                              "overruns_tracking", "overruns_mapping"};
+  static_assert(std::size(kOverruns) == kTasks);
   for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
   return count + estimator_.counters(out + count, max - count);
 }

@@ -195,47 +195,13 @@ int Estimator::counters(NamedValue* out, int max) const {
   const auto add = [&](const char* name, uint64_t value) {
     if (count < max) out[count++] = {name, value};
   };
-  for (int i = 0; i < static_cast<int>(TrackLoss::kCount); ++i) {
-    add(name(static_cast<TrackLoss>(i)), frontend_[0].losses()[i] + frontend_[1].losses()[i]);
-  }
-  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i) {
-    add(name(static_cast<StereoLoss>(i)), tracker_.stereo().losses()[i]);
-  }
-  const TrackingCounters& t = tracker_.counters();
-  for (int i = 0; i < static_cast<int>(Gate::kCount); ++i) {
-    add(name(static_cast<Gate>(i)), t.gates[i]);
-  }
-  add("frames", t.frames);
-  add("frames_with_pose", t.frames_with_pose);
-  add("starts", t.starts);
-  add("start_failures", t.start_failures);
-  add("losses", t.losses);
-  add("keyframes", t.keyframes);
-  add("keyframes_dropped", t.keyframes_dropped);
-  add("snapshots_late", t.snapshots_late);
-  add("matched_by_projection", t.matched_by_projection);
-  add("standstill_frames", t.standstill_frames);
-  add("tracks_dropped", t.tracks_dropped);
-  add("recognitions", t.recognitions);
-  add("recognitions_failed", t.recognitions_failed);
-  add("joins", t.joins);
-  add("loops", t.loops);
-  add("loops_implausible", t.loops_implausible);
-  add("loops_held", t.loops_held);
-  add("jumps", t.jumps);
-  const MappingCounters& m = mapper_.counters();
-  add("keyframes_removed", m.keyframes_removed);
-  add("adjustments", m.adjustments);
-  add("adjustments_failed", m.adjustments_failed);
-  add("points_stereo", m.points_stereo);
-  add("points_temporal", m.points_temporal);
-  add("points_removed", m.points_removed);
-  add("points_full", m.points_full);
-  add("points_forgotten", m.points_forgotten);
-  add("points_rejected", m.points_rejected);
-  add("observations_removed", m.observations_removed);
-  add("bundle_full", m.bundle_full);
-  add("restarts", m.restarts);
+  CounterArray<TrackLoss> lost_tracks;
+  for (const Frontend& frontend : frontend_) lost_tracks += frontend.losses();
+  for_each_counter(lost_tracks, add);
+  for_each_counter(tracker_.stereo().losses(), add);
+  for_each_counter(tracker_.counters().gates, add);
+  for_each_counter(tracker_.counters(), kTrackingCounters, add);
+  for_each_counter(mapper_.counters(), kMappingCounters, add);
   return count;
 }
 

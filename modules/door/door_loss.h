@@ -4,6 +4,8 @@
 
 #include <cstdint>
 
+#include "core/base/counter.h"
+
 namespace pirvs {
 
 enum class DoorLoss : uint8_t {
@@ -37,11 +39,6 @@ enum class DoorLoss : uint8_t {
 };
 const char* name(DoorLoss loss);
 
-// One count for each.
-struct DoorLosses {
-  uint32_t count[static_cast<int>(DoorLoss::kCount)] = {};
-  void add(DoorLoss loss) { ++count[static_cast<int>(loss)]; }
-  uint32_t operator[](DoorLoss loss) const { return count[static_cast<int>(loss)]; }
-};
+using DoorLosses = CounterArray<DoorLoss>;
 
 }  // namespace pirvs

@@ -90,7 +90,7 @@ void Frontend::follow() {
     if (follow_one(tracks_[i], why)) {
       tracks_[kept++] = tracks_[i];
     } else {
-      ++losses_[static_cast<int>(why)];
+      losses_.add(why);
     }
   }
   tracks_.resize(kept);
@@ -154,7 +154,7 @@ void Frontend::space_out() {
       }
       if (tracks_[j].age > tracks_[i].age) std::swap(tracks_[i], tracks_[j]);
       tracks_.erase_unordered(j);
-      ++losses_[static_cast<int>(TrackLoss::kSpacing)];
+      losses_.add(TrackLoss::kSpacing);
     }
   }
 }

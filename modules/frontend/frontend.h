@@ -9,6 +9,7 @@
 //         Shi, Tomasi, CVPR 1994 (corners).
 #pragma once
 
+#include "core/base/counter.h"
 #include "core/base/limits.h"
 #include "core/base/status.h"
 #include "core/base/time.h"
@@ -79,7 +80,7 @@ class Frontend {
   Track* nearest(float x, float y, float radius_px);
 
   const PyramidStore& pyramid() const { return pyramid_[current_]; }
-  const uint32_t* losses() const { return losses_; }
+  const CounterArray<TrackLoss>& losses() const { return losses_; }
 
  private:
   void follow();
@@ -96,7 +97,7 @@ class Frontend {
   TimeNs t_ = 0;
   TrackId next_id_ = 1;
   Tracks tracks_;
-  uint32_t losses_[static_cast<int>(TrackLoss::kCount)] = {};
+  CounterArray<TrackLoss> losses_;
   DetectionGrid grid_;
   uint8_t bin_wait_[kDetectionCellsMax] = {};
 };

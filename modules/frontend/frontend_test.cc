@@ -48,7 +48,7 @@ struct Slide {
     return frontend->process({pixels.data(), kSide, kSide, kSide}, t += 50'000'000, gravity_C);
   }
   Tracks& tracks() { return frontend->tracks(); }
-  uint32_t lost(TrackLoss loss) const { return frontend->losses()[static_cast<int>(loss)]; }
+  uint32_t lost(TrackLoss loss) const { return frontend->losses()[loss]; }
   Track* find(TrackId id) {
     for (Track& track : tracks()) {
       if (track.id == id) return &track;

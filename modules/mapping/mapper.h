@@ -8,6 +8,7 @@
 
 #include <atomic>
 
+#include "core/base/counter.h"
 #include "modules/map/map.h"
 #include "modules/map/messages.h"
 #include "modules/mapping/bundle.h"
@@ -18,11 +19,28 @@
 namespace pirvs {
 
 struct MappingCounters {
-  uint32_t keyframes = 0, keyframes_removed = 0, adjustments = 0, adjustments_failed = 0;
-  uint32_t points_stereo = 0, points_temporal = 0, points_removed = 0, points_full = 0;
-  uint32_t points_forgotten = 0, points_rejected = 0, observations_removed = 0;
-  uint32_t bundle_full = 0, restarts = 0, joins = 0;
+  Counter keyframes, keyframes_removed, adjustments, adjustments_failed;
+  Counter points_stereo, points_temporal, points_removed, points_full, points_forgotten;
+  Counter points_rejected, observations_removed, bundle_full, restarts, joins;
 };
+
+inline constexpr CounterRow<MappingCounters> kMappingCounters[] = {
+    {"mapping_keyframes", &MappingCounters::keyframes},
+    {"keyframes_removed", &MappingCounters::keyframes_removed},
+    {"adjustments", &MappingCounters::adjustments},
+    {"adjustments_failed", &MappingCounters::adjustments_failed},
+    {"points_stereo", &MappingCounters::points_stereo},
+    {"points_temporal", &MappingCounters::points_temporal},
+    {"points_removed", &MappingCounters::points_removed},
+    {"points_full", &MappingCounters::points_full},
+    {"points_forgotten", &MappingCounters::points_forgotten},
+    {"points_rejected", &MappingCounters::points_rejected},
+    {"observations_removed", &MappingCounters::observations_removed},
+    {"bundle_full", &MappingCounters::bundle_full},
+    {"restarts", &MappingCounters::restarts},
+    {"mapping_joins", &MappingCounters::joins},
+};
+static_assert(every_counter_is_in(kMappingCounters));
 
 class Mapper {
  public:

@@ -147,7 +147,7 @@ StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
 }
 
 StereoLoss StereoMatcher::count(StereoLoss loss) {
-  ++losses_[static_cast<int>(loss)];
+  losses_.add(loss);
   return loss;
 }
 

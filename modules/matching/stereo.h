@@ -10,6 +10,7 @@
 
 #include <iterator>
 
+#include "core/base/counter.h"
 #include "core/camera/camera.h"
 #include "core/params/params.h"
 #include "modules/frontend/pyramid_store.h"
@@ -64,7 +65,7 @@ class StereoMatcher {
   // Searches near a known place only (a landmark's projection).
   StereoLoss find_near(int from, const PyramidStore& image_from, const PyramidStore& image_to,
                        const Vec2& uv_from, const Vec2& uv_expected, Vec2& uv_to);
-  const uint32_t* losses() const { return losses_; }
+  const CounterArray<StereoLoss>& losses() const { return losses_; }
 
  private:
   StereoLoss scan(int from, const PyramidStore& image_from, const PyramidStore& image_to,
@@ -76,7 +77,7 @@ class StereoMatcher {
   Camera camera_[kCamerasMax];
   SE3 T_to_from_[kCamerasMax];  // index: from
   StereoParams params_;
-  uint32_t losses_[static_cast<int>(StereoLoss::kCount)] = {};
+  CounterArray<StereoLoss> losses_;
 };
 
 }  // namespace pirvs

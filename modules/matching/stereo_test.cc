@@ -88,7 +88,7 @@ struct Wall {
     out.median_px = errors[errors.size() / 2];
     return out;
   }
-  uint32_t count(StereoLoss loss) const { return matcher.losses()[static_cast<int>(loss)]; }
+  uint32_t count(StereoLoss loss) const { return matcher.losses()[loss]; }
 
   Rig rig;
   double d_m;
@@ -210,7 +210,8 @@ TEST(stereo, every_question_is_counted_once) {
     (void)wall.matcher.find(0, *wall.store[0], *wall.store[1], uv, uv_to);
     ++asked;
   }
-  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i) sum += wall.matcher.losses()[i];
+  for (int i = 0; i < static_cast<int>(StereoLoss::kCount); ++i)
+    sum += wall.matcher.losses().count[i];
   EXPECT_EQ(sum, asked);
   EXPECT_GT(wall.count(StereoLoss::kFound), asked / 2);
 }

@@ -25,10 +25,6 @@ const char* name(RecordLoss loss) {
   return kNames[static_cast<size_t>(loss)];
 }
 
-uint32_t Recorder::losses(RecordLoss loss) const {
-  return losses_[static_cast<int>(loss)].load(std::memory_order_relaxed);
-}
-
 Status Recorder::open(Table& table, const char* name, const char* heading) {
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
@@ -91,13 +87,13 @@ Status Recorder::write_imu_yaml(const ImuNoise& noise) {
 }
 
 void Recorder::imu(const ImuSample& sample) {
-  if (!imu_ring_.push(sample)) lose(RecordLoss::kImuDropped);
+  if (!imu_ring_.push(sample)) losses_.add(RecordLoss::kImuDropped);
 }
 
 void Recorder::frame(const StereoFrame& in) {
   Frame* const out = frame_ring_.begin_push();
   if (out == nullptr) {
-    lose(RecordLoss::kFrameDropped);
+    losses_.add(RecordLoss::kFrameDropped);
     return;
   }
   out->present = 0;
@@ -125,7 +121,7 @@ bool Recorder::has_room() const {
 // The first error is the last thing that is tried.
 void Recorder::check(Status status) {
   if (status == Status::kOk) return;
-  lose(RecordLoss::kNotWritten);
+  losses_.add(RecordLoss::kNotWritten);
   if (failed_) return;
   failed_ = true;
   bsp::console_write(status == Status::kFull

@@ -16,6 +16,7 @@
 #include "bsp/api/camera.h"
 #include "bsp/api/imu.h"
 #include "bsp/api/storage.h"
+#include "core/base/counter.h"
 #include "core/base/limits.h"
 #include "core/base/text.h"
 #include "core/camera/camera.h"
@@ -45,7 +46,7 @@ class Recorder {
   void stop() { stopping_.store(true, std::memory_order_release); }
   void run(void (*relax)());
 
-  uint32_t losses(RecordLoss loss) const;
+  const CounterArray<RecordLoss>& losses() const { return losses_; }
   uint32_t frames_written() const { return frames_written_; }
 
  private:
@@ -76,9 +77,6 @@ class Recorder {
   Status write_sample(const ImuSample& sample);
   Status write_camera(const Frame& frame, int c);
   void check(Status status);
-  void lose(RecordLoss loss) {
-    losses_[static_cast<int>(loss)].fetch_add(1, std::memory_order_relaxed);
-  }
 
   Ring<ImuSample, kImuRing> imu_ring_;
   Ring<Frame, kFrameRing> frame_ring_;
@@ -87,8 +85,9 @@ class Recorder {
   bool started_ = false;
   bool failed_ = false;
   std::atomic<bool> stopping_{false};
-  uint32_t frames_written_ = 0, repeated_names_ = 0;
-  std::atomic<uint32_t> losses_[static_cast<int>(RecordLoss::kCount)] = {};
+  Counter frames_written_;
+  uint32_t repeated_names_ = 0;
+  CounterArray<RecordLoss> losses_;
 };
 
 }  // namespace pirvs

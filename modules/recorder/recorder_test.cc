@@ -85,11 +85,11 @@ TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
   EXPECT_FALSE(recorder_->has_room());
   for (TimeNs t = 1; t <= 1500; ++t) recorder_->imu({t, Vec3::Zero(), Vec3::Zero()});
   write_all();
-  EXPECT_EQ(recorder_->losses(RecordLoss::kFrameDropped), 10u - recorder_->frames_written());
+  EXPECT_EQ(recorder_->losses()[RecordLoss::kFrameDropped], 10u - recorder_->frames_written());
   EXPECT_EQ(recorder_->frames_written(), 6u);
-  EXPECT_EQ(recorder_->losses(RecordLoss::kImuDropped), 1500u - 1024u);
+  EXPECT_EQ(recorder_->losses()[RecordLoss::kImuDropped], 1500u - 1024u);
   EXPECT_TRUE(recorder_->has_room());
-  EXPECT_EQ(recorder_->losses(RecordLoss::kNotWritten), 0u);
+  EXPECT_EQ(recorder_->losses()[RecordLoss::kNotWritten], 0u);
 }
 
 TEST_F(recorder, says_at_the_start_that_it_cannot_write) {
@@ -108,7 +108,7 @@ TEST_F(recorder, what_cannot_be_written_later_is_counted) {
   testing::internal::CaptureStderr();
   write_all();
   EXPECT_NE(testing::internal::GetCapturedStderr().find("the run goes on"), std::string::npos);
-  EXPECT_EQ(recorder_->losses(RecordLoss::kNotWritten), 4u);
+  EXPECT_EQ(recorder_->losses()[RecordLoss::kNotWritten], 4u);
   EXPECT_EQ(content("cam0/data.csv"), "") << "no image is listed that is not there";
 }
 

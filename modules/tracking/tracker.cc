@@ -224,7 +224,7 @@ void Tracker::collect(Frontend* frontends) {
 void Tracker::count_misses(Frontend* frontends) {
   for (size_t i = 0; i < correspondences_.size(); ++i) {
     const Gate gate = correspondences_[i].gate;
-    ++counters_.gates[static_cast<int>(gate)];
+    counters_.gates.add(gate);
     Track& track = *corresponding_[i];
     track.misses = gate == Gate::kAccepted ? 0 : static_cast<uint8_t>(track.misses + 1);
   }

@@ -8,6 +8,7 @@
 // Source  PIRVS paper, sections IV.A to IV.C.
 #pragma once
 
+#include "core/base/counter.h"
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
 #include "modules/map/map_error.h"
@@ -31,13 +32,35 @@ struct TrackingParams {
 };
 
 struct TrackingCounters {
-  uint32_t frames = 0, frames_with_pose = 0, starts = 0, start_failures = 0, losses = 0;
-  uint32_t keyframes = 0, keyframes_dropped = 0, snapshots = 0, snapshots_late = 0;
-  uint32_t matched_by_projection = 0, standstill_frames = 0, tracks_dropped = 0;
-  uint32_t recognitions = 0, recognitions_failed = 0, joins = 0, jumps = 0;
-  uint32_t loops = 0, loops_implausible = 0, loops_held = 0;
-  uint32_t gates[static_cast<int>(Gate::kCount)] = {};
+  Counter frames, frames_with_pose, starts, start_failures, losses;
+  Counter keyframes, keyframes_dropped, snapshots, snapshots_late;
+  Counter matched_by_projection, standstill_frames, tracks_dropped;
+  Counter recognitions, recognitions_failed, joins, loops, loops_implausible, loops_held, jumps;
+  CounterArray<Gate> gates;
 };
+
+inline constexpr CounterRow<TrackingCounters> kTrackingCounters[] = {
+    {"frames", &TrackingCounters::frames},
+    {"frames_with_pose", &TrackingCounters::frames_with_pose},
+    {"starts", &TrackingCounters::starts},
+    {"start_failures", &TrackingCounters::start_failures},
+    {"losses", &TrackingCounters::losses},
+    {"keyframes", &TrackingCounters::keyframes},
+    {"keyframes_dropped", &TrackingCounters::keyframes_dropped},
+    {"snapshots", &TrackingCounters::snapshots},
+    {"snapshots_late", &TrackingCounters::snapshots_late},
+    {"matched_by_projection", &TrackingCounters::matched_by_projection},
+    {"standstill_frames", &TrackingCounters::standstill_frames},
+    {"tracks_dropped", &TrackingCounters::tracks_dropped},
+    {"recognitions", &TrackingCounters::recognitions},
+    {"recognitions_failed", &TrackingCounters::recognitions_failed},
+    {"joins", &TrackingCounters::joins},
+    {"loops", &TrackingCounters::loops},
+    {"loops_implausible", &TrackingCounters::loops_implausible},
+    {"loops_held", &TrackingCounters::loops_held},
+    {"jumps", &TrackingCounters::jumps},
+};
+static_assert(every_counter_is_in(kTrackingCounters, sizeof(TrackingCounters::gates)));
 
 struct FrameResult {
   bool has_pose = false;
