@@ -35,4 +35,11 @@ inline constexpr ParamRow<MatchingParams> kMatchingRows[] = {
 static_assert(sizeof(MatchingParams) == std::size(kMatchingRows) * sizeof(float));
 static_assert(in_range(MatchingParams{}, kMatchingRows));
 
+// Near enough, and nearer than the second best by the ratio test (Lowe, IJCV 2004, section 7.1).
+inline bool is_match(const MatchingParams& params, int distance, int second_distance) {
+  return static_cast<float>(distance) <= params.match_distance_max &&
+         static_cast<float>(distance) <=
+             params.match_ratio_max * static_cast<float>(second_distance);
+}
+
 }  // namespace pirvs

@@ -103,11 +103,7 @@ int match_by_projection(const MapView& view, const PosePrediction& pose, const C
   }
   int matched = 0;
   for (const uint16_t i : open) {
-    if (static_cast<float>(best[i].distance) > params.match_distance_max) continue;
-    if (static_cast<float>(best[i].distance) >
-        params.match_ratio_max * static_cast<float>(best[i].second)) {
-      continue;
-    }
+    if (!is_match(params, best[i].distance, best[i].second)) continue;
     // One point belongs to one track: the better descriptor wins.
     bool beaten = false;
     for (const uint16_t j : open) {

@@ -12,14 +12,13 @@ namespace {
 
 constexpr int kSample = 3;
 constexpr int kTries = 300;
-constexpr int kDistance_bit_max = 60;
-constexpr double kRatio_max = 0.85;        // best over second best distance
 constexpr double kFit_rad2 = 0.01 * 0.01;  // 4.6 px of EuRoC's lens
 constexpr double kDistance_m_min = 0.1;
 constexpr double kNorm_tolerance = 0.2;  // of cos^2 + sin^2, which the linear fit leaves free
 
-// Small, seeded anew for each place: the same input gives the same samples.
-struct Lottery {
+// A linear congruential generator (Numerical Recipes), seeded anew for each place: the same input
+// gives the same samples.
+struct RandomGenerator {
   uint32_t state = 12345;
   uint32_t below(uint32_t n) {
     state = state * 1664525u + 1013904223u;
@@ -74,7 +73,7 @@ void Recogniser::find_pairs(const MapView& view, const Mat3& R_WB, const Tracks*
           second = d;
         }
       }
-      if (distance > kDistance_bit_max || distance > kRatio_max * second) continue;
+      if (!is_match(params_, distance, second)) continue;
       (void)pairs_.push_back({static_cast<uint8_t>(c), static_cast<uint16_t>(i),
                               static_cast<uint16_t>(best), R_LC * f_C.normalized(),
                               R_WB * camera_[c].T_BC.p, view.point(static_cast<uint16_t>(best)).p_W,
@@ -137,12 +136,12 @@ bool Recogniser::solve(const MapView& view, PlaceRule rule, const Mat3& R_WB,
   find_pairs(view, R_WB, tracks);
   const uint32_t n = static_cast<uint32_t>(pairs_.size());
   if (static_cast<int>(n) < wanted) return false;
-  Lottery lottery;
+  RandomGenerator random;
   Guess best, guess;
   int best_fits = 0;
   for (int i = 0; i < kTries; ++i) {
     const Pair* sample[kSample];
-    for (const Pair*& pair : sample) pair = &pairs_[lottery.below(n)];
+    for (const Pair*& pair : sample) pair = &pairs_[random.below(n)];
     if (!fit(sample, kSample, guess)) continue;
     const int fits = score(guess, false);
     if (fits <= best_fits) continue;
