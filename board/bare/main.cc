@@ -111,7 +111,7 @@ Calibration calibration_of(const bsp::Pack& pack) {
   for (int c = 0; c < kCamerasMax; ++c) out.camera[c] = pack.camera(c);
   out.imu = {header.gyro_noise, header.gyro_walk, header.accel_noise, header.accel_walk,
              header.rate_hz};
-  out.camera_time_offset = header.camera_time_offset;
+  out.camera_time_offset_ns = header.camera_time_offset_ns;
   return out;
 }
 

@@ -43,7 +43,7 @@ struct PackHeader {
   uint64_t checksum;
   uint32_t imu_count;
   uint32_t frame_count;
-  int64_t camera_time_offset;
+  int64_t camera_time_offset_ns;
   double gyro_noise, gyro_walk, accel_noise, accel_walk, rate_hz;
   PackedCamera camera[2];
 };

@@ -6,7 +6,7 @@ namespace pirvs {
 
 Status App::record() {
   const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
-                                        calibration_.camera_time_offset);
+                                        calibration_.camera_time_offset_ns);
   if (status != Status::kOk) {
     recorder_.finish();
     return status;

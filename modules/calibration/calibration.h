@@ -1,6 +1,6 @@
 // What    a device's calibration says, as every part of the stack uses it.
 // Frames  B = the IMU; each Camera carries T_BC. camera[0] is the left, camera[1] the right one.
-// Units   camera_time_offset: t_imu_clock = t_camera_stamp + offset, ns (Kalibr's
+// Units   camera_time_offset_ns: t_imu_clock = t_camera_stamp + offset, ns (Kalibr's
 //         timeshift_cam_imu).
 // Source  PIRVS paper, section II (factory calibration).
 #pragma once
@@ -15,7 +15,7 @@ struct Calibration {
   Camera camera[2];
   int cameras = 2;
   ImuNoise imu;
-  TimeNs camera_time_offset = 0;
+  TimeNs camera_time_offset_ns = 0;
 };
 
 }  // namespace pirvs

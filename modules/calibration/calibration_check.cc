@@ -121,7 +121,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
     if (const auto fault = find_camera_fault(calibration.camera[c], kNames[c])) return fault;
   }
   if (const auto fault = find_imu_fault(calibration.imu)) return fault;
-  const TimeNs offset = calibration.camera_time_offset;
+  const TimeNs offset = calibration.camera_time_offset_ns;
   if (offset > kOffset_max || offset < -kOffset_max) {
     return {"cameras", "the time offset to the IMU is more than 1 s",
             "give timeshift_cam_imu in seconds"};

@@ -73,7 +73,7 @@ TEST(calibration_check, says_where_it_is_wrong) {
       {"imu", "accelerometer's noise", [](Calibration& c) { c.imu.accel_noise = NAN; }},
       {"imu", "accelerometer's random", [](Calibration& c) { c.imu.accel_walk = -1; }},
       {"imu", "rate", [](Calibration& c) { c.imu.rate_hz = 0.005; }},
-      {"cameras", "time offset", [](Calibration& c) { c.camera_time_offset = 4'000'000'000; }},
+      {"cameras", "time offset", [](Calibration& c) { c.camera_time_offset_ns = 4'000'000'000; }},
       {"cameras", "baseline", [](Calibration& c) { c.camera[1].T_BC.p.setZero(); }},
       {"cameras", "left of", [](Calibration& c) { std::swap(c.camera[0], c.camera[1]); }},
       {"cameras", "apart", [](Calibration& c) { c.camera[1].T_BC.R *= so3_exp(Vec3(0, 1.6, 0)); }},

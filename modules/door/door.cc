@@ -58,7 +58,7 @@ void Door::configure(const Calibration& calibration, const DoorParams& params, c
   *this = Door{};
   params_ = params;
   tap_ = tap;
-  offset_ = calibration.camera_time_offset;
+  offset_ = calibration.camera_time_offset_ns;
   break_ = from_seconds(static_cast<double>(params.break_s));
   bridge_ = from_seconds(static_cast<double>(params.bridge_s));
   frame_wait_ = from_seconds(static_cast<double>(params.frame_wait_s));

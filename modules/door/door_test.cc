@@ -21,7 +21,7 @@ struct Script {
   explicit Script(TimeNs offset = 0) {
     bsp::replay_start({this, next_imu, next_frame, release}, bsp::ReplayPace::kFast);
     Calibration calibration;
-    calibration.camera_time_offset = offset;
+    calibration.camera_time_offset_ns = offset;
     for (Camera& camera : calibration.camera) camera.width = camera.height = kSize;
     door.configure(calibration, DoorParams{});
   }

@@ -36,9 +36,9 @@ Status Recorder::open(Table& table, const char* name, const char* heading) {
 }
 
 Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
-                       TimeNs camera_time_offset) {
+                       TimeNs camera_time_offset_ns) {
   for (int c = 0; c < count; ++c) {
-    PIRVS_TRY(write_camera_yaml(c, cameras[c], camera_time_offset));
+    PIRVS_TRY(write_camera_yaml(c, cameras[c], camera_time_offset_ns));
     PIRVS_TRY(open(camera_[c], kCameraTable[c], "#timestamp [ns],filename\n"));
   }
   PIRVS_TRY(write_imu_yaml(noise));

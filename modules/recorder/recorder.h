@@ -32,7 +32,8 @@ const char* name(RecordLoss loss);
 class Recorder {
  public:
   // Opens the files and writes the calibration.
-  Status start(const Camera* cameras, int count, const ImuNoise& noise, TimeNs camera_time_offset);
+  Status start(const Camera* cameras, int count, const ImuNoise& noise,
+               TimeNs camera_time_offset_ns);
   bool started() const { return started_; }
 
   void imu(const ImuSample& sample);

@@ -93,7 +93,7 @@ void sensor_yaml(const uint8_t* data, size_t size) {
     calibration.cameras = 1;
     TimeNs offset = 0;
     calibration.camera[0] = tools::read_asl_camera(file.path(), offset);
-    calibration.camera_time_offset = offset;
+    calibration.camera_time_offset_ns = offset;
     expect_usable(calibration);
   });
   expect_result_or_refusal([&] { (void)tools::read_imu_noise(file.path()); });
@@ -170,7 +170,7 @@ void play_through_the_door(bsp::Pack& pack) {
   Calibration calibration;
   for (int c = 0; c < 2; ++c) calibration.camera[c] = pack.camera(c);
   expect_usable(calibration);
-  calibration.camera_time_offset = pack.header().camera_time_offset % 1'000'000'000;
+  calibration.camera_time_offset_ns = pack.header().camera_time_offset_ns % 1'000'000'000;
   const auto door = std::make_unique<Door>();
   door->configure(calibration, DoorParams{});
   bsp::replay_start(pack.source(), bsp::ReplayPace::kFast);

@@ -168,7 +168,7 @@ Calibration read_asl_calibration(const std::string& mav0) {
     TimeNs offset = 0;
     out.camera[c] = read_asl_camera(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml", offset);
     out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
-    if (c == 0) out.camera_time_offset = offset;
+    if (c == 0) out.camera_time_offset_ns = offset;
   }
   return out;
 }
@@ -192,7 +192,7 @@ Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noi
     out.camera[c].T_BC = T_CB.inverse();
     T_CB_before = T_CB;
   }
-  out.camera_time_offset = time_offset(source, source.root()["cam0"]);
+  out.camera_time_offset_ns = time_offset(source, source.root()["cam0"]);
   return out;
 }
 

@@ -23,7 +23,7 @@ Calibration read_asl_calibration(const std::string& mav0);
 Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise);
 
 // One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
-Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset);
+Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset_ns);
 
 // Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
 ImuNoise read_imu_noise(const std::string& path);

@@ -56,7 +56,7 @@ bsp::PackHeader header_of(const Recording& recording) {
   out.header_bytes = sizeof out;
   out.imu_count = uint32_t(recording.imu.size());
   out.frame_count = uint32_t(recording.frames.size());
-  out.camera_time_offset = recording.calibration.camera_time_offset;
+  out.camera_time_offset_ns = recording.calibration.camera_time_offset_ns;
   out.gyro_noise = noise.gyro_noise;
   out.gyro_walk = noise.gyro_walk;
   out.accel_noise = noise.accel_noise;
@@ -155,7 +155,7 @@ Recording open_pack(const std::string& path) {
   for (int c = 0; c < 2; ++c) recording.calibration.camera[c] = pack.camera(c);
   recording.calibration.imu = {header.gyro_noise, header.gyro_walk, header.accel_noise,
                                header.accel_walk, header.rate_hz};
-  recording.calibration.camera_time_offset = header.camera_time_offset;
+  recording.calibration.camera_time_offset_ns = header.camera_time_offset_ns;
   for (size_t i = 0; i < header.imu_count; ++i) recording.imu.push_back(pack.imu(i));
   for (size_t i = 0; i < header.frame_count; ++i) {
     const StereoFrame frame = pack.frame(i);

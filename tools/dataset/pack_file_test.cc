@@ -66,7 +66,7 @@ TEST(pack, plays_what_the_folder_plays) {
     expect_equal(folder.calibration.camera[c], pack.calibration.camera[c]);
   EXPECT_EQ(folder.calibration.imu.gyro_noise, pack.calibration.imu.gyro_noise);
   EXPECT_EQ(folder.calibration.imu.accel_walk, pack.calibration.imu.accel_walk);
-  EXPECT_EQ(folder.calibration.camera_time_offset, pack.calibration.camera_time_offset);
+  EXPECT_EQ(folder.calibration.camera_time_offset_ns, pack.calibration.camera_time_offset_ns);
   ASSERT_EQ(folder.imu.size(), pack.imu.size());
   for (size_t i = 0; i < pack.imu.size(); ++i) {
     EXPECT_EQ(folder.imu[i].t, pack.imu[i].t);

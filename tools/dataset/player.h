@@ -6,7 +6,7 @@
 //         that is missing, cut off or of the wrong size is left out of the frame (present) and
 //         counted by name.
 // Frames  image[c] is camera c, 8-bit grey, as recorded (distorted).
-// Units   t in ns: as stamped by the camera; the sensor door applies camera_time_offset.
+// Units   t in ns: as stamped by the camera; the sensor door applies camera_time_offset_ns.
 // Errors  InputError on construction: none of the first images can be read, or their size is not
 //         the calibration's.
 // Cost    kFramesAhead stereo frames of memory, allocated once. PNG 752 x 480: ~3 ms an image, on

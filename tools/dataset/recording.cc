@@ -68,7 +68,7 @@ void cut(const RecordingOptions& options, Recording& recording) {
     throw InputError("no frames between --start and --duration", recording.folder,
                      "choose a shorter --start");
   }
-  const TimeNs offset = recording.calibration.camera_time_offset;
+  const TimeNs offset = recording.calibration.camera_time_offset_ns;
   const TimeNs imu_begin = frames.front().t + offset - kImuMargin;
   const TimeNs imu_end = frames.back().t + offset + kImuMargin;
   auto& imu = recording.imu;
@@ -78,7 +78,7 @@ void cut(const RecordingOptions& options, Recording& recording) {
 }
 
 void check_overlap(const Recording& recording) {
-  const TimeNs offset = recording.calibration.camera_time_offset;
+  const TimeNs offset = recording.calibration.camera_time_offset_ns;
   if (recording.imu.empty() || recording.imu.front().t > recording.frames.back().t + offset ||
       recording.imu.back().t < recording.frames.front().t + offset) {
     throw InputError("images and IMU do not overlap in time", recording.folder,

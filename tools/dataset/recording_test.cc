@@ -177,7 +177,7 @@ TEST(recording, reads_a_kalibr_camchain) {
   const Calibration& calibration = recording.calibration;
   EXPECT_EQ(calibration.camera[0].model, CameraModel::kKannalaBrandt);
   EXPECT_EQ(calibration.camera[1].model, CameraModel::kPinholeRadtan);
-  EXPECT_EQ(calibration.camera_time_offset, -4'000'000);
+  EXPECT_EQ(calibration.camera_time_offset_ns, -4'000'000);
   EXPECT_EQ(calibration.imu.gyro_noise, 1.0e-4);
   EXPECT_LT((calibration.camera[0].T_BC * Vec3(1, 2, 3)).norm(), 1e-12);  // the IMU's origin in C0
   const Vec3 p_C0C1 = calibration.camera[0].T_BC.inverse() * calibration.camera[1].T_BC.p;

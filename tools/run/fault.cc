@@ -165,7 +165,7 @@ std::string fault_help() {
 
 FaultLine::FaultLine(const std::vector<Fault>& faults, const Recording& recording)
     : first_frame_(recording.frames.front().t),
-      camera_time_offset_(recording.calibration.camera_time_offset) {
+      camera_time_offset_(recording.calibration.camera_time_offset_ns) {
   const TimeNs length = recording.frames.back().t - first_frame_;
   for (const Fault& fault : faults) {
     if (fault.begin > length) {

@@ -75,7 +75,7 @@ size_t counter(const RunLog& log, DoorLoss loss) {
 // Poses until the recording's end. Where the IMU's clock was set, stamps cannot tell; the frames
 // that came after its end can.
 bool is_whole(const Recording& recording, const RunLog& log) {
-  const TimeNs end = recording.frames.back().t + recording.calibration.camera_time_offset;
+  const TimeNs end = recording.frames.back().t + recording.calibration.camera_time_offset_ns;
   if (log.frames.back().t >= end - from_seconds(kEndMargin_s)) return true;
   const double late = double(counter(log, DoorLoss::kFrameWithoutImu));
   const bool set = counter(log, DoorLoss::kImuClockBack) + counter(log, DoorLoss::kImuClockSet) > 0;
