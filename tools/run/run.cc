@@ -115,21 +115,25 @@ std::function<int()> declare_run(CLI::App& app) {
       ->check(CLI::NonNegativeNumber);
   auto* const real_time =
       app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
-  app.add_option("--cores", o->cores, "threads; 1: lockstep, same input, same bytes")
+  app.add_option("--cores", o->cores,
+                 "threads; with 1 the same input gives the same output, byte for byte")
       ->capture_default_str()
       ->check(CLI::Range(1, board::kCores));
-  app.add_flag("--lockstep", o->lockstep, "with any --cores the bytes that one core gives")
+  app.add_flag("--lockstep", o->lockstep,
+               "with several --cores: wait for mapping, so that the output is that of one core")
       ->excludes(real_time);
   app.add_option("--mapping-lag", o->mapping_lag,
-                 "each result of mapping reaches tracking exactly so many frames late, for tests")
+                 "delay each result of mapping by exactly this many frames, for tests")
       ->check(CLI::Range(0, MapGate::kLagMax))
       ->excludes(real_time);
-  app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
+  app.add_flag("--trace", o->trace,
+               "also write trace.json: when each task ran, in the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
-  app.add_option("--fault", o->faults, "SPEC, break the input; repeatable, see below")
+  app.add_option("--fault", o->faults, "SPEC, inject a fault into the input; repeatable, see below")
       ->allow_extra_args(false);
-  app.add_option("--record", o->record, "also write all input, faults and all, as an ASL folder");
+  app.add_option("--record", o->record,
+                 "also write the input, with its injected faults, as an ASL folder");
   app.footer(fault_help());
   return [o, &app] { return run(*o, command_line(app)); };
 }

@@ -17,30 +17,35 @@ void declare_world(CLI::App& app, SimOptions& o) {
                  "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye")
       ->capture_default_str();
   app.add_option("--path", o.path,
-                 "'spline', 'rest', 'steady' or a ground-truth file (ASL csv, TUM) to fly along")
+                 "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity) or a "
+                 "ground-truth file (ASL csv, TUM)")
       ->capture_default_str();
-  app.add_option("--duration", o.duration_s, "seconds; with a file: at most")
+  app.add_option("--duration", o.duration_s,
+                 "length of the recording, s; with a ground-truth file: at most")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  app.add_option("--rest", o.rest_s, "seconds at rest before a spline or steady flight")
+  app.add_option("--rest", o.rest_s, "standstill before a spline or steady flight, s")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--rate", o.rate_hz, "camera frames per second (default: the device's)")
       ->check(CLI::Range(1.0, 500.0));
-  app.add_option("--seed", o.seed, "same seed, same bytes")->capture_default_str();
-  app.add_option("--boxes", o.boxes, "boxes in the hall")
+  app.add_option("--seed", o.seed, "seed of all random numbers: the same seed gives the same files")
+      ->capture_default_str();
+  app.add_option("--boxes", o.boxes, "number of boxes in the hall")
       ->capture_default_str()
       ->check(CLI::Range(0, 500));
-  app.add_option("--movers", o.movers, "how many of them move")
+  app.add_option("--movers", o.movers, "number of boxes that move")
       ->capture_default_str()
       ->check(CLI::Range(0, 500));
-  app.add_option("--mover", o.mover, "share of the view filled by an object that sways before it")
+  app.add_option("--mover", o.mover,
+                 "share of the view covered by an object that moves in front of the camera")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 0.9));
-  app.add_option("--mover-from", o.mover_from_s, "when it comes in, s; 0: there from the start")
+  app.add_option("--mover-from", o.mover_from_s,
+                 "time at which that object appears, s; 0: from the start")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
-  app.add_option("--threads", o.threads, "threads that draw")
+  app.add_option("--threads", o.threads, "rendering threads")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
   app.add_option("--format", o.format, "png, jpg or pgm (fast, large)")
@@ -49,47 +54,57 @@ void declare_world(CLI::App& app, SimOptions& o) {
 }
 
 void declare_steady(CLI::App& app, SimOptions& o) {
-  app.add_option("--forward", o.forward_m_s, "m/s along the view, steady path")
+  app.add_option("--forward", o.forward_m_s, "forward velocity of a steady path, m/s")
       ->capture_default_str();
-  app.add_option("--left", o.left_m_s, "m/s across the view, steady path")->capture_default_str();
-  app.add_option("--turn", o.turn_deg_s, "deg/s about the vertical, steady path")
+  app.add_option("--left", o.left_m_s, "velocity to the left of a steady path, m/s")
       ->capture_default_str();
-  app.add_option("--ramp", o.ramp_s, "seconds from rest to that")
+  app.add_option("--turn", o.turn_deg_s, "yaw rate of a steady path, deg/s")->capture_default_str();
+  app.add_option("--ramp", o.ramp_s, "acceleration phase of a steady path, from standstill, s")
       ->capture_default_str()
       ->check(CLI::Range(0.01, 1e3));
 }
 
 void declare_imu(CLI::App& app, SimOptions& o) {
-  app.add_option("--gyro-noise", o.gyro_noise, "rad/s/sqrt(Hz) (default: the device's)");
-  app.add_option("--gyro-walk", o.gyro_walk, "rad/s^2/sqrt(Hz)");
-  app.add_option("--accel-noise", o.accel_noise, "m/s^2/sqrt(Hz)");
-  app.add_option("--accel-walk", o.accel_walk, "m/s^3/sqrt(Hz)");
-  app.add_flag("--imu-as-expected", o.imu_as_expected,
-               "noise and biases as the estimator's parameters expect them, sensor.yaml unchanged");
-  app.add_option("--gyro-bias", o.gyro_bias_rad_s, "sigma of the bias at the start, rad/s")
+  app.add_option("--gyro-noise", o.gyro_noise,
+                 "white noise of the gyro, rad/s/sqrt(Hz) (default: the device's)");
+  app.add_option("--gyro-walk", o.gyro_walk, "random walk of the gyro bias, rad/s^2/sqrt(Hz)");
+  app.add_option("--accel-noise", o.accel_noise,
+                 "white noise of the accelerometer, m/s^2/sqrt(Hz)");
+  app.add_option("--accel-walk", o.accel_walk,
+                 "random walk of the accelerometer bias, m/s^3/sqrt(Hz)");
+  app.add_flag(
+      "--imu-as-expected", o.imu_as_expected,
+      "simulate the noise and biases that the estimator's parameters assume; sensor.yaml keeps the "
+      "device's");
+  app.add_option("--gyro-bias", o.gyro_bias_rad_s,
+                 "standard deviation of the initial gyro bias, rad/s")
       ->capture_default_str();
-  app.add_option("--accel-bias", o.accel_bias_m_s2, "sigma of the bias at the start, m/s^2")
+  app.add_option("--accel-bias", o.accel_bias_m_s2,
+                 "standard deviation of the initial accelerometer bias, m/s^2")
       ->capture_default_str();
 }
 
 void declare_image(CLI::App& app, SimOptions& o) {
-  app.add_option("--exposure", o.exposure_ms, "shutter time, ms")
+  app.add_option("--exposure", o.exposure_ms, "exposure time, ms")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 100.0));
-  app.add_option("--blur", o.blur, "sub-images per exposure at most; 1: no motion blur")
+  app.add_option("--blur", o.blur,
+                 "images averaged per exposure at most, for motion blur; 1: no blur")
       ->capture_default_str()
       ->check(CLI::Range(1, 64));
-  app.add_option("--noise", o.image_noise, "image noise, grey values at mid grey")
+  app.add_option("--noise", o.image_noise,
+                 "standard deviation of the image noise at mid grey, grey values")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--exposure-change", o.exposure_change, "relative change of brightness over time")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--dark", o.dark, "share of the light taken away")
+  app.add_option("--dark", o.dark, "share of the light that is missing in the dark interval")
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
-  app.add_option("--dark-from", o.dark_from_s, "when it gets dark, s")->capture_default_str();
-  app.add_option("--dark-for", o.dark_for_s, "for how long, s; 0: to the end")
+  app.add_option("--dark-from", o.dark_from_s, "start of the dark interval, s")
+      ->capture_default_str();
+  app.add_option("--dark-for", o.dark_for_s, "length of the dark interval, s; 0: to the end")
       ->capture_default_str();
 }
 
