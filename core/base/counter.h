@@ -17,7 +17,7 @@ namespace pirvs {
 template <class Value>
 class BasicCounter {
  public:
-  // The first value is stored atomically, too: an object may be made anew, in place, under a reader.
+  // The first value is stored atomically, too: its owner may be made anew in place under a reader.
   BasicCounter(Value value = 0) { value_.store(value, std::memory_order_relaxed); }
   BasicCounter(const BasicCounter& other) : BasicCounter(Value{other}) {}
   BasicCounter& operator=(const BasicCounter& other) {

@@ -13,6 +13,11 @@ namespace {
 
 constexpr TimeNs kDoubtMax_ns = 2'000'000'000;  // undecided for longer: a body that hardly turns
 
+// For counters(): the scheduler lives from start() to finish() alone.
+void copy_counters(const Scheduler& scheduler, TaskCounters* counters) {
+  for (size_t i = 0; i < scheduler.size(); ++i) counters[i] = scheduler.counters(i);
+}
+
 }  // namespace
 
 void App::configure(const Calibration& calibration, const AppParams& params,
@@ -62,11 +67,6 @@ void App::deliver(const ImuSample& sample) {
   }
 }
 
-// For counters(): the scheduler lives from start() to finish() alone.
-void App::note_task_counters() {
-  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler_->counters(static_cast<size_t>(i));
-}
-
 // No more is sensed: mapping finishes what it has.
 void App::end_when_done() {
   estimator_.map_gate().open();
@@ -88,7 +88,7 @@ Step App::door_step() {
   door_t_ = item.is_frame ? item.frame.t : item.imu.t;
   if (item.is_frame) {
     PIRVS_TRACE("door.frame");
-    note_task_counters();
+    copy_counters(*scheduler_, task_counters_);
     frame_present_ = item.frame.images.present;
     estimator_.begin(item.frame);
   } else {
@@ -151,7 +151,7 @@ Status App::finish() {
   scheduler_->stop();
   recorder_.stop();
   bsp::join_cores();
-  note_task_counters();
+  copy_counters(*scheduler_, task_counters_);
   scheduler_.reset();
   estimator_.flush_report();
   return estimator_.tracker().running() ? Status::kOk : Status::kBadData;

@@ -75,8 +75,8 @@ class App {
   bool recorder_has_room() const { return !recorder_.started() || recorder_.has_room(); }
 
   const Map& map() const { return estimator_.map(); }  // once finished
-  // Every counter of rejections and faults, from any core, also while it runs; sizes of the static pools in bytes.
-  // Return the count.
+  // Every counter of rejections and faults, from any core, also while it runs; sizes of the static
+  // pools in bytes. Return the count.
   int counters(NamedValue* out, int max) const;
   static int pools(NamedValue* out, int max);
 
@@ -91,7 +91,6 @@ class App {
   Step tracking_step();
   void deliver(const ImuSample& sample);
   void end_when_done();
-  void note_task_counters();
   bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
   bool command_step();
