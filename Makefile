@@ -60,7 +60,8 @@ TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
-FUZZ_LIB_SRC := $(filter core/math/% core/camera/% modules/calibration/calibration_check.cc \
+FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/base/number.cc modules/app/app_params.cc \
+  modules/calibration/calibration_check.cc \
   modules/door/door.cc modules/door/imu_guard.cc modules/door/image_guard.cc bsp/replay/% \
   bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc bsp/linux/console.cc,$(LIB_SRC))
 FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\

@@ -2,7 +2,6 @@
 // In      Two moments of one camera, at least 200 x 120 px.
 // Out     done() per kernel: what it took by bsp::read_cycles. The goal stands in the kernel's
 //         header, "Goal    A72 cycles: NAME 4.0 a UNIT"; tools/prof/profile compares.
-// Frames  none.
 // Errors  none.
 // Cost    About 0.1 s on an A72.
 // Source  the workloads of core/kernels/*/*_bench.cc.

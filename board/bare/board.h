@@ -1,9 +1,7 @@
 // What    a board without an operating system adds to its machine (bsp/bare/machine.h): who runs
 // where. Defined in board/<name>/board.cc; board/bare/main.cc runs the application on it.
 // In, Out constants.
-// Frames  none.
 // Errors  Asserted there: every core that a plan names exists.
-// Cost    none.
 // Source  DESIGN, "board/<name>".
 #pragma once
 

@@ -2,7 +2,6 @@
 // In      The command line: fault=KIND, fault_at=FRAME, fault_core=CORE, which must be at rest.
 // Out     on_frame() does what was asked for when that frame has been reported, and does not come
 //         back.
-// Frames  none.
 // Errors  configure: false, no such kind.
 // Cost    A comparison a frame.
 // Source  bsp/bare/fault.h.

@@ -127,8 +127,8 @@ int number_argument(const char* word, int fallback) {
   return value;
 }
 
-// Every parameter of the command line by its full name; said on the console, so that a name that was
-// mistyped is missed there.
+// Every parameter of the command line by its full name. Each is repeated on the console, where one
+// whose name was mistyped is missed.
 bool set_parameters(AppParams& params) {
   bool good = true;
   for_each_group(params, [&](const char* group, const auto&, const auto& rows) {

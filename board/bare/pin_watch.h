@@ -6,7 +6,6 @@
 // Out     pin_watch_wanted: the word is there. pin_watch: "watching", then for each edge one line
 //         `edge BANK.LINE LEVEL STAMP POLLED`, both in seconds; the exit code: 0 all edges came,
 //         2 no such pin.
-// Frames  none.
 // Errors  Lost edges are said.
 // Cost    Waits for the edges, for ever if need be.
 // Source  bsp/api/gpio.h; docs/board-bringup.md.

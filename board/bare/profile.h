@@ -2,7 +2,6 @@
 // In      profile_start() before the application runs; profile_say() when it has ended.
 // Out     Lines on the console: cycles a frame, and per task its runs, mean and longest. They say
 //         whether a processor counted them or an emulator, where a cycle is an instruction.
-// Frames  none.
 // Errors  none.
 // Cost    Two readings of the counter per scope of core/trace.
 // Source  PIRVS paper, Table II.

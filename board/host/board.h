@@ -1,8 +1,5 @@
 // A PC whose sensors are a recording or a simulation (bsp/linux, bsp/replay).
-// In, Out nothing: constants.
-// Frames  none: calibration comes with the recording.
 // Errors  none; the asserts below keep the board within core/base/limits.h and bsp/api/cores.h.
-// Cost    none.
 // Source  DESIGN, "Folders"; EuRoC's sensors, the largest that are replayed.
 #pragma once
 

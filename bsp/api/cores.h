@@ -1,7 +1,6 @@
 // Starts functions on other cores (Linux: threads; bare metal: PSCI).
 // In      core 1..kCoresMax-1, an entry and its argument; core 0 is the caller.
 // Out     The entry runs there once. join_cores() returns when every started core is done.
-// Frames  none.
 // Errors  start_core: kNotFound (no such core), kFull (it runs already), kBusFault (refused).
 // Cost    start and join: tens of microseconds. relax(): what to call in a waiting loop; it gives
 //         the processor a rest, on Linux of at most about 100 us.

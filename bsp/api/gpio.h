@@ -4,7 +4,6 @@
 //         one polls edges.
 // Out     gpio_poll: the oldest edge not yet polled. t: on the clock of now(), the first thing that
 //         the interrupt handler reads. level: of the pin after the edge.
-// Frames  none.
 // Errors  kNotFound: no such pin. gpio_poll: kEmpty: nothing now; kFull: edges were lost before
 //         this one, which is good.
 // Cost    One or two accesses to the chip (~100 ns each); gpio_poll touches memory alone. A stamp

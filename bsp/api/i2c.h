@@ -4,7 +4,6 @@
 // Out     i2c_poll: kEmpty while the transfer runs; the same call carries it on, so ask often
 //         (at 400 kHz, 32 bytes take 0.8 ms). kOk: done, all bytes are in place.
 //         i2c_transfer: both, waiting. For set-up; never from a timed step.
-// Frames  none.
 // Errors  i2c_start: kNotFound (no such bus), kFull (one runs already), kBadData (too many bytes
 //         before a read, or nothing to do). i2c_poll: kBusFault: no chip answered at the address,
 //         or it refused a byte; kTimeout: not finished kI2cTimeout after the start, the bus is

@@ -3,7 +3,6 @@
 // In      A port as the board numbers them; bytes.
 // Out     serial_write: how many of the bytes the chip took, from the first; the caller offers the
 //         rest again. serial_read: at least one byte, at most `max`.
-// Frames  none.
 // Errors  serial_open: kNotFound (no such port), kBadData (the clock cannot make this rate within 2
 //         %), kTimeout (the line never falls silent). serial_read: kEmpty: nothing now; kFull:
 //         bytes were lost on the way here; kBadData: one arrived damaged and was dropped. `count`

@@ -2,7 +2,6 @@
 // In      A name relative to where the backend puts files, '/' between folders; bytes.
 // Out     A File to write to and close. Opening an existing name empties it; folders of the name
 //         that are missing are made, where the backend has folders.
-// Frames  none.
 // Errors  open: kFull (too many open), kNotFound (no such directory), kBusFault.
 //         write, close: kFull (disk full or over quota), kBusFault (I/O error). After an error the
 //         tail of the file is unspecified; the file stays open until closed.

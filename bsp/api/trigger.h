@@ -4,7 +4,6 @@
 // Out     trigger_start: when the first pulse began, on the clock of now(), and the period that the
 //         hardware really keeps (it counts ticks of its own clock): pulse k begins at first_t + k *
 //         period_ns. trigger_stop leaves the output inactive.
-// Frames  none.
 // Errors  kNotFound: no such output. kBadData: width or phase not below the period, or a pulse
 //         shorter than a tick. kTimeout: the start could not be timed to kTriggerError in three
 //         tries (interrupted each time); the output is inactive.

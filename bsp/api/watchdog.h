@@ -2,7 +2,6 @@
 // In      The name of the task that begins, a literal; nullptr when the core rests.
 // Out     Bare metal: a core that begins or rests nothing for kWatchdog_ns ends in a fault report
 //         with that name, and a restart. Linux: nothing, a debugger is at hand.
-// Frames  none.
 // Errors  none.
 // Cost    One clock reading and two stores.
 // Source  STYLE principle 2: a step runs to completion and is small.

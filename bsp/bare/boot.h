@@ -3,7 +3,6 @@
 // Out     boot_argument: is the word there, and the text behind "name=". boot_recording: the memory
 //         that the loader filled with a recording (its "initrd"), read-only; empty if there is
 //         none.
-// Frames  none.
 // Errors  A device tree or recording that overlaps our own memory ends in a fault report.
 // Cost    boot_argument: one pass over the line.
 // Source  Linux Documentation/arm64/booting.rst; Devicetree Specification 0.4, 3.6.

@@ -1,7 +1,6 @@
 // What every core does before it runs C++ of the application: interrupts, watchdog, counters.
 // In      The core's own number (registers.h).
 // Out     start_this_core: interrupts are taken from here on.
-// Frames  none.
 // Errors  A core without its redistributor is a bug of the board's constants and asserts.
 // Cost    ~10 us.
 // Source  bsp/bare.

@@ -1,6 +1,5 @@
 // What vectors.S saves when an exception takes the core away from the code.
 // In, Out the registers of the interrupted code.
-// Frames  none.
 // Errors  none.
 // Cost    ~120 instructions in and out.
 // Source  Arm ARM D1.10; the order is that of vectors.S.

@@ -2,7 +2,6 @@
 // In      What is wrong; the registers of the code that it struck.
 // Out     fault() does not come back: the report is kept, the other cores are switched off, and the
 //         image starts again. kept_fault() then says so, until the power goes.
-// Frames  none.
 // Errors  A fault inside the report ends it at once. After kRestartsMax the machine stands still.
 // Cost    The report: ~1 KiB on the console.
 // Source  STYLE principle 7: a bug restarts into a safe mode.

@@ -1,7 +1,6 @@
 // Calls to the firmware by PSCI: cores on and off, reset.
 // In      How it is called (device tree); a core's MPIDR; where it shall begin.
 // Out     Status; core_off and machine_reset do not come back.
-// Frames  none.
 // Errors  kBusFault: the firmware refuses. kFull: the core is on already.
 // Cost    Microseconds in the firmware.
 // Source  Arm Power State Coordination Interface, DEN 0022.

@@ -3,7 +3,6 @@
 //         32 and on of devices. Handlers run on the core that is interrupted, one at a time.
 // Out     interrupts_start_core: this core takes interrupts from here on.
 //         interrupt_all_others: INTID 0..15 to every other running core.
-// Frames  none.
 // Errors  An interrupt that nobody handles is a bug and asserts. kFull: no free row.
 // Cost    ~400 instructions from the device to the handler.
 // Source  GICv3 specification, IHI 0069.

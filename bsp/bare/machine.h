@@ -1,9 +1,7 @@
 // What a board without an operating system tells bsp/bare about its chip; defined once in
 // board/<name>/machine.cc.
 // In, Out one constant, kMachine.
-// Frames  none.
 // Errors  A wrong address ends in a fault report, or in silence if it is the console's.
-// Cost    none.
 // Source  The chip's manual; QEMU's hw/arm/virt.c for `virt`.
 #pragma once
 

@@ -1,7 +1,6 @@
 // System registers of AArch64 by their names in the Arm ARM.
 // In      PIRVS_READ(name), PIRVS_WRITE(name, value).
 // Out     The register's value.
-// Frames  none.
 // Errors  A register that this core does not have ends in a fault report.
 // Cost    One instruction.
 // Source  Arm ARM D13; GICv3 specification, IHI 0069, for ICC_*.

@@ -1,7 +1,6 @@
 // Services of the debugger or emulator that runs us: files and an exit code, for tests.
 // In      The command line has the word "semihosting" if somebody listens.
 // Out     As the functions say. Paths are the host's, from where the emulator was started.
-// Frames  none.
 // Errors  semihosting_open: -1. semihosting_write: false. Calling while nobody listens is a fault.
 // Cost    A trap; the emulated clock does not see the host's work.
 // Source  Arm, "Semihosting for AArch32 and AArch64".

@@ -2,7 +2,6 @@
 // In      core: 0 and on.
 // Out     stack_of: where its C++ runs. guard_of: the page below, which is not mapped.
 //         stack_used: the most that has been in use since stacks_paint.
-// Frames  none.
 // Errors  none.
 // Cost    stack_used reads the unused part once.
 // Source  linker/bare.ld.

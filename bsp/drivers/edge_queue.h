@@ -1,7 +1,6 @@
 // Edges of pins on their way from the interrupt handlers to the one who polls them.
 // In      push: from the core that takes the GPIO interrupts. poll: from one core.
 // Out     bsp/api/gpio.h, gpio_poll.
-// Frames  none.
 // Errors  Full: the newest edge is lost, counted, and the next poll says kFull once.
 // Cost    A ring's push or pop; 64 edges are 1.5 KiB.
 // Source  bsp/api/gpio.h.

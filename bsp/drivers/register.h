@@ -3,7 +3,6 @@
 //         driver's table is also what its emulator runs on (emulated/register_file.h).
 // Out     Registers: reads and writes by row. A static_assert on is_table() keeps a table sorted,
 //         aligned and free of double entries.
-// Frames  none.
 // Errors  none; see bsp/api/mmio.h.
 // Cost    As mmio: one access to device memory each. The row is folded into an address.
 // Source  STYLE principle 13; RK3399 TRM part 1, "GRF": the upper 16 bits of a word say which of

@@ -1,9 +1,7 @@
 // Where the files of bsp/api/storage.h go on Linux.
 // In      An existing directory; the text must stay valid (a literal or an argument of main).
 // Out     storage_open(name) opens directory/name. Default: the working directory.
-// Frames  none.
 // Errors  none here; storage_open says kNotFound if the directory does not exist.
-// Cost    none.
 // Source  bsp/api/storage.h.
 #pragma once
 

@@ -1,7 +1,6 @@
 // Stops on a bug of our own; on in release builds too.
 // In      A condition that cannot be false unless the code is wrong. It must have no side effect.
 // Out     Nothing, or never returns.
-// Frames  none.
 // Errors  A false condition calls assert_failed, which the linked bsp defines: Linux prints and
 //         aborts, bare metal records file and line and restarts into a safe mode.
 // Cost    One predicted branch.

@@ -17,9 +17,9 @@ namespace pirvs {
 template <class Value>
 class BasicCounter {
  public:
-  BasicCounter() = default;
-  BasicCounter(Value value) : value_(value) {}
-  BasicCounter(const BasicCounter& other) : value_(other) {}
+  // The first value is stored atomically, too: its owner may be made anew in place under a reader.
+  BasicCounter(Value value = 0) { value_.store(value, std::memory_order_relaxed); }
+  BasicCounter(const BasicCounter& other) : BasicCounter(Value{other}) {}
   BasicCounter& operator=(const BasicCounter& other) {
     value_.store(other, std::memory_order_relaxed);
     return *this;
@@ -37,7 +37,7 @@ class BasicCounter {
   }
 
  private:
-  std::atomic<Value> value_{0};
+  std::atomic<Value> value_;
 };
 
 using Counter = BasicCounter<uint32_t>;

@@ -1,7 +1,5 @@
 // The largest sensor set that the static memory is laid out for; a board states its own and asserts
 // that it fits.
-// In, Out nothing: constants.
-// Frames  none.
 // Errors  none; what exceeds a limit is rejected where it enters (calibration, sensor door).
 // Cost    Image pools grow with width x height x cameras.
 // Source  DESIGN: EuRoC 752 x 480 stereo; the device 640 x 480 stereo.

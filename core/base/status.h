@@ -1,7 +1,6 @@
 // Outcome of a call that the world can make fail (a fault), and a value that may be missing.
 // In      A Status, or a value, or an expression that yields a Status (PIRVS_TRY).
 // Out     kOk or the first thing that went wrong; name() gives its text for logs.
-// Frames  none.
 // Errors  Result::value() on a failure is a bug and asserts.
 // Cost    One byte; Result<T> is T plus one byte, by value, no heap.
 // Source  STYLE principle 7; Pigweed pw_status, pw_result.

@@ -4,7 +4,6 @@
 //         digit for digit: the exact value of the double, rounded half to even. exact() writes what
 //         reads back to the bit: short where ten decimals say it, otherwise with 18 digits; "nan",
 //         "inf".
-// Frames  none.
 // Errors  What does not fit is left out; full() says so. fixed() of a value beyond 1e18 or not
 //         finite writes "nan".
 // Cost    x86-64: fixed() ~60 ns; exact() ~20 ns short, ~2 us long.

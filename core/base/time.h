@@ -1,7 +1,6 @@
 // Absolute time and the way to intervals in seconds.
 // In      Nanoseconds on the one clock that also stamps every sensor, or seconds.
 // Out     The other one; from_seconds rounds to the nearest nanosecond, halves away from zero.
-// Frames  none.
 // Errors  from_seconds needs |s| < 9.2e9 (292 years); to_seconds is exact to one part in 2^53.
 // Cost    One conversion and one division or multiplication.
 // Source  DESIGN, "Frames, units, names".

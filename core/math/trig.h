@@ -1,7 +1,6 @@
 // Elementary functions with the same bits on every machine (libm's differ between C libraries).
 // In      Radians; |x| < 1e6 for sine, cosine and sincos (a bug beyond: asserts); any double else.
 // Out     Error bounds against the exact value, tested against libm: see each line.
-// Frames  none.
 // Errors  NaN gives NaN. logarithm(0) = -inf, of a negative number NaN. arccos clamps to [-1, 1].
 //         exponential overflows to inf and gives 0 where the result would be subnormal.
 // Cost    About 9 ns, x86-64 at 2.1 GHz; only + - * / sqrt, floor and integer operations.

@@ -7,7 +7,7 @@
 //         run_until_idle(): all rows in lockstep, as if every period had just passed, until every
 //         step says kIdle. The order depends on the table and the steps alone, not on a clock.
 //         poll, poll_lockstep: one step of either, for a caller with other things to do.
-// Frames  none. The step's `now` is the clock's, in ns.
+// Units   ns: the step's `now` is the clock's.
 // Errors  Never silent, counted per task: overrun, a step took longer than its budget by the clock
 //         (preemption counts: the rows above had to wait); slip, a whole period or a trigger passed
 //         without a run of its own.

@@ -1,7 +1,6 @@
 // A vector whose storage lies inside the object: at most N items, no heap.
 // In      Items by value; T must be default constructible and trivially destructible.
 // Out     Items in insertion order, contiguous.
-// Frames  none.
 // Errors  push_back returns false and append nullptr when full (an expected rejection: count it).
 //         An index or size out of range is a bug and asserts.
 // Cost    O(1) each; sizeof is N * sizeof(T) plus a count. Items are not cleared: append() and

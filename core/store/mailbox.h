@@ -1,7 +1,6 @@
 // The latest value from one writer core to one reader core; older ones are overwritten unread.
 // In      Fill back() completely, then publish(): the next back() holds an older value.
 // Out     take() gives the newest value not yet taken, valid until the next take().
-// Frames  none.
 // Errors  take: nullptr when nothing was published since the last take.
 // Cost    One atomic exchange; neither side ever waits. Three copies of T.
 // Source  Triple buffering: writer, reader and the middle each own one buffer at any time.

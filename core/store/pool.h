@@ -2,7 +2,6 @@
 // In      Handles from acquire(); a default Handle is never live.
 // Out     find() gives the object, or nullptr once it was released, even if the slot lives again.
 //         For all: for (slot = 0; slot < capacity(); ++slot) if (T* item = at(slot)) ...
-// Frames  none.
 // Errors  acquire: kFull (an expected rejection: count it). release: false for a stale handle.
 // Cost    O(1) each. acquire value-initializes the object in place. Slots are reused last in,
 //         first out. A zeroed pool is an empty pool, so that big ones stay in .bss.

@@ -1,7 +1,6 @@
 // Queue from one writer core to one reader core, lock-free, first in first out.
 // In      begin_push() lends the next free item to fill, end_push() hands it over; or push().
 // Out     front() is the oldest item and stays valid until pop().
-// Frames  none.
 // Errors  begin_push: nullptr, push: false when all N items wait (count the drop).
 //         front: nullptr when empty. pop of an empty ring is a bug and asserts.
 // Cost    One atomic load and one store per call; no copy unless push() is used.

@@ -3,7 +3,7 @@
 //         scope, with a literal.
 // Out     trace_events: the last kTraceEventsMax scopes, in the order in which they ended.
 //         trace_places: every place that has run, with count, total and longest time.
-// Frames  none; times in ns of the clock that was passed in.
+// Units   ns, of the clock that was passed in.
 // Errors  Older events are overwritten. Read when the other cores are at rest: a scope that ends
 //         meanwhile may be seen half written.
 // Cost    Two clock readings and five atomic operations a scope, 90 ns on x86-64 Linux with

@@ -13,8 +13,10 @@ namespace {
 
 constexpr TimeNs kDoubtMax_ns = 2'000'000'000;  // undecided for longer: a body that hardly turns
 
-constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
-                                     "overruns_tracking", "overruns_mapping"};
+// For counters(): the scheduler lives from start() to finish() alone.
+void copy_counters(const Scheduler& scheduler, TaskCounters* counters) {
+  for (size_t i = 0; i < scheduler.size(); ++i) counters[i] = scheduler.counters(i);
+}
 
 }  // namespace
 
@@ -86,8 +88,8 @@ Step App::door_step() {
   door_t_ = item.is_frame ? item.frame.t : item.imu.t;
   if (item.is_frame) {
     PIRVS_TRACE("door.frame");
+    copy_counters(*scheduler_, task_counters_);
     frame_present_ = item.frame.images.present;
-    note_task_counters();
     estimator_.begin(item.frame);
   } else {
     if (item.broken) {
@@ -110,7 +112,6 @@ Status App::start(const CorePlan& plan, Drive drive) {
   PIRVS_ASSERT(drive == Drive::kTimed || plan.cores == 1);
   plan_ = plan;
   drive_ = drive;
-  static_assert(std::size(kOverruns) == kTasks);
   // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
   const Task tasks[kTasks] = {
       // name         step                                              context  period  budget core
@@ -146,16 +147,11 @@ Status App::poll() {
   return scheduler_->stopped() ? Status::kStale : Status::kEmpty;
 }
 
-// For counters(): the scheduler lives from start() to finish() alone.
-void App::note_task_counters() {
-  for (int i = 0; i < kTasks; ++i) task_counters_[i] = scheduler_->counters(static_cast<size_t>(i));
-}
-
 Status App::finish() {
   scheduler_->stop();
   recorder_.stop();
   bsp::join_cores();
-  note_task_counters();
+  copy_counters(*scheduler_, task_counters_);
   scheduler_.reset();
   estimator_.flush_report();
   return estimator_.tracker().running() ? Status::kOk : Status::kBadData;
@@ -190,6 +186,9 @@ int App::counters(NamedValue* out, int max) const {
     for_each_counter(recorder_.losses(), add);
     add("frames_recorded", recorder_.frames_written());
   }
+  static constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
+                                              "overruns_tracking", "overruns_mapping"};
+  static_assert(std::size(kOverruns) == kTasks);
   for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
   return count + estimator_.counters(out + count, max - count);
 }

@@ -75,8 +75,8 @@ class App {
   bool recorder_has_room() const { return !recorder_.started() || recorder_.has_room(); }
 
   const Map& map() const { return estimator_.map(); }  // once finished
-  // Every counter of rejections and faults, from any core; sizes of the static pools in bytes.
-  // Return the count.
+  // Every counter of rejections and faults, from any core, also while it runs; sizes of the static
+  // pools in bytes. Return the count.
   int counters(NamedValue* out, int max) const;
   static int pools(NamedValue* out, int max);
 
@@ -93,7 +93,6 @@ class App {
   void end_when_done();
   bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
-  void note_task_counters();
   bool command_step();
   Status execute(const Command& command);
   Status start_recording();

@@ -148,7 +148,7 @@ void Bundle::linearize_point(Point& point) {
   int share_frame = -1;
   Share* share = nullptr;
   for (int o = point.first; o < point.first + point.count; ++o) {
-    const Observation2& z = observations_[static_cast<size_t>(o)];
+    const ObservedPixel& z = observations_[static_cast<size_t>(o)];
     const Frame& frame = frames_[static_cast<size_t>(z.frame)];
     const SE3& T_CW = frame.T_CW[z.camera];
     Vec2 uv;
@@ -295,7 +295,7 @@ void Bundle::apply(const double* delta) {
 double Bundle::cost_at(const Vec3& p_W, const Point& point) const {
   double cost = 0;
   for (int o = point.first; o < point.first + point.count; ++o) {
-    const Observation2& z = observations_[static_cast<size_t>(o)];
+    const ObservedPixel& z = observations_[static_cast<size_t>(o)];
     const Frame& frame = frames_[static_cast<size_t>(z.frame)];
     const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
     Vec2 uv;
@@ -401,7 +401,7 @@ void Bundle::finish() {
 
 double Bundle::residual_sigma(int point, int observation) const {
   const Point& p = points_[static_cast<size_t>(point)];
-  const Observation2& z = observations_[static_cast<size_t>(p.first + observation)];
+  const ObservedPixel& z = observations_[static_cast<size_t>(p.first + observation)];
   Vec2 uv;
   if (!camera_[z.camera].project(frames_[static_cast<size_t>(z.frame)].T_CW[z.camera] * p.p_W,
                                  uv)) {

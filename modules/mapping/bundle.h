@@ -71,7 +71,7 @@ class Bundle {
     Mat3 H_inverse;
     Vec3 b;
   };
-  struct Observation2 {
+  struct ObservedPixel {
     int16_t frame;
     int16_t camera;
     float x, y;
@@ -105,7 +105,7 @@ class Bundle {
   MappingParams params_;
   FixedVector<Frame, kFramesMax> frames_;
   FixedVector<Point, kPointsMax> points_;
-  FixedVector<Observation2, kObservationsMax> observations_;
+  FixedVector<ObservedPixel, kObservationsMax> observations_;
   FixedVector<Share, kSharesMax> shares_;
   FixedVector<ImuLink, kFreeMax + 1> links_;
   WindowPrior prior_;

@@ -83,7 +83,7 @@ class Recorder {
   Ring<Frame, kFrameRing> frame_ring_;
   Table imu_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
-  bool started_ = false;
+  std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
   bool failed_ = false;
   std::atomic<bool> stopping_{false};
   Counter frames_written_;

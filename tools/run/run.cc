@@ -123,11 +123,12 @@ std::function<int()> declare_run(CLI::App& app) {
                "with several --cores: wait for mapping, so that the output is that of one core")
       ->excludes(real_time);
   app.add_option("--mapping-lag", o->mapping_lag,
-                 "each result of mapping reaches tracking exactly so many frames late, for tests")
+                 "delay each result of mapping by exactly this many frames, for tests")
       ->check(CLI::Range(0, MapGate::kLagMax))
       ->excludes(real_time);
-  app.add_flag("--trace", o->trace, "also write trace.json: every step of the last seconds");
-  app.add_option("--set", o->set, "name=value, a parameter (pirvs params lists them)")
+  app.add_flag("--trace", o->trace,
+               "also write trace.json: when each task ran, in the last seconds");
+  app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
   app.add_option("--fault", o->faults, "SPEC, inject a fault into the input; repeatable, see below")
       ->allow_extra_args(false);

@@ -2,7 +2,6 @@
 // In      The blob, or anything else: it is looked at with suspicion.
 // Out     Memory of the recording (linux,initrd-start, -end), the command line (bootargs), how the
 //         firmware is called (psci method). What is not there stays zero, empty or kUnknown.
-// Frames  none.
 // Errors  kNotFound: no tree there. kBadData: cut off or damaged; out holds what came before.
 // Cost    One pass, ~10 us.
 // Source  Devicetree Specification 0.4, chapter 5 (flattened format), 3.6 (chosen).

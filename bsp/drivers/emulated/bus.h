@@ -2,7 +2,6 @@
 // In      Attachment(base, chip): as long as it lives, addresses base .. base + T::kSize go to
 //         chip.read(offset) and chip.write(offset, value). At most kChipsMax at a time.
 // Out     What the chip makes of the access. Linked on hosts only.
-// Frames  none.
 // Errors  An address where no chip is, or that is not a multiple of 4, is a bug of the driver and
 //         asserts, as it would end in a fault report on hardware. Overlapping chips assert, too.
 // Cost    A search through at most kChipsMax ranges. One thread.

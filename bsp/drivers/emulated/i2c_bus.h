@@ -4,9 +4,8 @@
 //         emulated/i2c_device.h. i2c_fail_next: the outcome of the next transfer, which reaches no
 //         device.
 // Out     bsp/api/i2c.h; a transfer ends at the second poll. i2c_transfers: how many have ended.
-// Frames  none.
 // Errors  As bsp/api/i2c.h.
-// Cost    none that matters. One thread.
+// Cost    One thread.
 // Source  bsp/api/i2c.h.
 #pragma once
 

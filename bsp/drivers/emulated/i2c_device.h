@@ -1,11 +1,9 @@
 // A chip on an emulated I2C bus: 256 registers of a byte behind an address that counts up.
 // In      What a master does on the bus, as the controller's emulator hands it on.
 // Out     ack of a byte; bytes read. The first byte written after a start sets the place.
-// Frames  none.
 // Errors  refuse_after: that many bytes are taken in a transfer, the next is refused.
 //         was_released: the master refused the last byte it read, as it must, or the chip would go
 //         on and hold the data line.
-// Cost    none that matters.
 // Source  NXP UM10204; InvenSense and ST sensors' register access.
 #pragma once
 

@@ -2,7 +2,6 @@
 // In      The table (at most kRowsMax rows); accesses of the driver; values of the chip itself.
 // Out     load and store as the driver sees them, by the row's rule; peek and poke as the chip
 //         does, without rules.
-// Frames  none.
 // Errors  Offset that is in no row, a write to a read-only register or a read of a write-only one:
 //         a bug of the driver, asserts.
 // Cost    A search through the table.

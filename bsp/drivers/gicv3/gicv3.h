@@ -4,7 +4,6 @@
 // Out     start: affinity routing, group 1 on, every device's interrupt off. start_core: wakes the
 //         core's redistributor; messages between cores (INTID 0 to 15) pass. enable: from then on
 //         the interrupt passes; a device's (32 and on) to the core given, another on that core.
-// Frames  none.
 // Errors  start_core, enable: kNotFound, no redistributor has that affinity. start_core: kTimeout,
 //         it does not wake.
 // Cost    enable: ~5 accesses.

@@ -2,10 +2,8 @@
 // interrupts, redistributors of four cores.
 // In      The driver's accesses.
 // Out     passes(): would the interrupt reach that core?
-// Frames  none.
 // Errors  An access beside the registers that the driver may use asserts; so does a setting of a
 //         core's own interrupts while its redistributor sleeps.
-// Cost    none that matters.
 // Source  gicv3_registers.h.
 #pragma once
 

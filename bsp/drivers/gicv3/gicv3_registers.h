@@ -1,8 +1,5 @@
 // Arm's generic interrupt controller, version 3: registers in memory. The first of each array.
-// In, Out nothing: rows.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Arm IHI 0069, GIC Architecture Specification v3 and v4, chapter 12. A redistributor has
 //         two frames of 64 KiB: its own, then that of SGIs and PPIs (INTID 0 to 31).
 #pragma once

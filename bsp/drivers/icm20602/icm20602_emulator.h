@@ -3,7 +3,6 @@
 // Out     sample() says whether INT pulsed. reset(): as by a brown-out.
 // Frames  the chip's axes.
 // Errors  none.
-// Cost    none that matters.
 // Source  icm20602_registers.h. FIFO_R_W is the one address that does not count up.
 #pragma once
 

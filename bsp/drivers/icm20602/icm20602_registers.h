@@ -1,8 +1,5 @@
 // TDK InvenSense ICM-20602: gyroscope and accelerometer with a FIFO, registers of a byte.
-// In, Out nothing: addresses, and the set-up as data.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  DS-000176 (ICM-20602 data sheet), register map.
 #pragma once
 

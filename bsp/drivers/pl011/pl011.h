@@ -2,7 +2,6 @@
 // In      The chip's base address. 8 bits, no parity, one stop bit, at the rate the firmware set.
 // Out     start: FIFOs on, transmitter and receiver on, interrupts off. write waits while the FIFO
 //         is full. read: the oldest character, or -1.
-// Frames  none.
 // Errors  none: characters that arrive while the FIFO is full are lost.
 // Cost    write: two accesses, or the time of a character on the line.
 // Source  pl011_registers.h.

@@ -2,10 +2,8 @@
 // In      The driver's accesses. receive: a character from the outside. Each look at the flags lets
 //         the line carry one character away.
 // Out     sent(): what left on the line.
-// Frames  none.
 // Errors  A character written while the port is off or its FIFO full, or settings changed while it
 //         is on: a bug of the driver, asserts.
-// Cost    none that matters.
 // Source  pl011_registers.h.
 #pragma once
 

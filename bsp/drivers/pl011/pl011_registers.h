@@ -1,8 +1,5 @@
 // Arm PrimeCell PL011: a UART with FIFOs of 32 characters.
-// In, Out nothing: rows.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Arm DDI 0183, PrimeCell UART (PL011) TRM, chapter 3.
 #pragma once
 

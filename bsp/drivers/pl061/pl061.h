@@ -2,7 +2,6 @@
 // In      The chip's base address, the number of its bank, where its edges go. handle_interrupt:
 //         the time at which the handler began.
 // Out     bsp/api/gpio.h for the pins of this bank.
-// Frames  none.
 // Errors  kNotFound: no such line. Two edges of one pin before the handler ran are one interrupt:
 //         the edge reported is then the last one, by its level.
 // Cost    One access per call, four per interrupt.

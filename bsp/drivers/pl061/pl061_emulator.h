@@ -1,9 +1,7 @@
 // An emulated PL061 for tests of its driver.
 // In      The driver's accesses; set_input: the level that the outside puts on a line.
 // Out     interrupt(): the level of GPIOINTR. output(): the level of a line that is an output.
-// Frames  none.
 // Errors  See emulated/register_file.h.
-// Cost    none that matters.
 // Source  pl061_registers.h.
 #pragma once
 

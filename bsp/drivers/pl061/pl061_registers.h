@@ -1,8 +1,5 @@
 // Arm PrimeCell PL061: eight pins, edges latched in the chip.
-// In, Out nothing: rows.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Arm DDI 0190B, PrimeCell GPIO (PL061) TRM, chapter 3. GPIODATA is 256 words: bits 9..2 of
 //         the address say which pins an access reads or writes; all others keep their level.
 #pragma once

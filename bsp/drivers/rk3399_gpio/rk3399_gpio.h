@@ -3,7 +3,6 @@
 // In      The bank's base address and number, where its edges go. handle_interrupt: the time at
 //         which the handler began.
 // Out     bsp/api/gpio.h for the pins of this bank.
-// Frames  none.
 // Errors  kNotFound: no such line.
 // Cost    One or two accesses per call; per interrupt four, and two more for pins watched for both
 //         edges.

@@ -1,9 +1,7 @@
 // An emulated GPIO bank of the RK3399 for tests of its driver.
 // In      The driver's accesses; set_input: the level that the outside puts on a line.
 // Out     interrupt(): the level of the bank's interrupt. output(): the level of a driven line.
-// Frames  none.
 // Errors  See emulated/register_file.h.
-// Cost    none that matters.
 // Source  rk3399_gpio_registers.h.
 #pragma once
 

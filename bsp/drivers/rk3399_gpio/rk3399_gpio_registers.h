@@ -1,8 +1,5 @@
 // One GPIO bank of the RK3399: up to 32 pins, lines A0..A7 B0..B7 C0..C7 D0..D7.
-// In, Out nothing: rows.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Rockchip RK3399 TRM V1.3 part 1, chapter "GPIO" (a Synopsys DesignWare APB GPIO, port A).
 //         INT_POLARITY: 1 is rising or high. INTTYPE_LEVEL: 1 is edges. INTMASK: 1 is masked.
 //         LS_SYNC: level interrupts pass the synchroniser. GPIO_PORTA_EOI clears latched edges.

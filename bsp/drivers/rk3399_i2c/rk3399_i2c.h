@@ -2,7 +2,6 @@
 // (bsp/drivers/rk3399_setup).
 // In      The controller's base address and the rate of its clock; the time with each call.
 // Out     bsp/api/i2c.h for this bus. open: the rate of SCL, at most `scl_hz`.
-// Frames  none.
 // Errors  As bsp/api/i2c.h; open: kBadData: no divisor gives the rate.
 // Cost    A poll: one access while nothing has come; with a full message, up to ten.
 // Source  rk3399_i2c_registers.h. Low and high share the period 3 to 2: at 400 kHz, low 1.5 us and

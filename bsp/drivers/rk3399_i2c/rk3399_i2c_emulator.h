@@ -1,7 +1,6 @@
 // An emulated I2C controller of the RK3399 with one chip on its bus, for tests of drivers.
 // In      The driver's accesses; a device with start, write and read of emulated/i2c_device.h.
 // Out     What the bus carried, in the device; scl_hz(): the rate that the divisor gives.
-// Frames  none.
 // Errors  See emulated/register_file.h; a message longer than 32 bytes, or without a start before
 //         it: a bug of the driver, asserts. hold_bus: a chip holds SCL, nothing ever ends.
 // Cost    Each event shows in RKI2C_IPD one read late, so that a driver must wait for it.

@@ -1,8 +1,5 @@
 // An I2C controller of the RK3399: it runs a whole message of up to 32 bytes by itself.
-// In, Out nothing: rows and bits.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Rockchip RK3399 TRM V1.3 part 2, chapter "I2C". RKI2C_IPD: a 1 written clears.
 //         SCL = clock / (8 (CLKDIVL + 1 + CLKDIVH + 1)). A read raises a START interrupt that means
 //         nothing; register-read mode (3) also writes the register's address and is not used.

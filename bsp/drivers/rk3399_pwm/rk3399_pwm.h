@@ -3,7 +3,6 @@
 // In      The channel's base address and the rate of its clock.
 // Out     bsp/api/trigger.h for this output. The start is found from the counter: the pulse began
 //         CNT ticks before the counter was read, whatever the write took to arrive.
-// Frames  none.
 // Errors  As bsp/api/trigger.h.
 // Cost    As bsp/api/trigger.h. The rate of a period of 16.7 ms is exact to 0.6 ppm (half a tick of
 //         20.7 ns); period_ns says what it is.

@@ -1,9 +1,7 @@
 // An emulated PWM channel of the RK3399 for tests of its driver.
 // In      The driver's accesses; the rate of the channel's clock.
 // Out     output(t): the level of the pin at time t of now(). enabled_t(): when it was switched on.
-// Frames  none.
 // Errors  See emulated/register_file.h.
-// Cost    none that matters.
 // Source  rk3399_pwm_registers.h.
 #pragma once
 

@@ -1,7 +1,5 @@
 // One channel of the RK3399's PWM; channels are 16 bytes apart. In, Out nothing: rows and bits.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Rockchip RK3399 TRM V1.3 part 1, chapter "PWM". In continuous, left-aligned mode the
 //         output has the duty polarity while CNT < DUTY_LPR, the opposite up to PERIOD_HPR.
 #pragma once

@@ -2,7 +2,6 @@
 // In      Rows: a register of GRF, PMUGRF, CRU or PMUCRU, the bits that matter, their value, why.
 // Out     apply: writes them in order. holds: reads them back, so that a reset or another master's
 //         change is seen. gpll_hz, pmu_pclk_hz: what the boot loader has made of two clocks.
-// Frames  none.
 // Errors  kBadData: a row does not hold; `which` says the first.
 // Cost    One access a row.
 // Source  RK3399 TRM V1.3 part 1, chapters "GRF" and "CRU". Each register takes 16 bits and, above

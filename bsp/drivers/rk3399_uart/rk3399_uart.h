@@ -1,7 +1,6 @@
 // Driver of one UART of the RK3399. Its pins and clock must be on (bsp/drivers/rk3399_setup).
 // In      The UART's base address and the rate of its clock (24 MHz unless a board changes it).
 // Out     bsp/api/serial.h for this port; put(): one byte, waiting for room, for a console.
-// Frames  none.
 // Errors  As bsp/api/serial.h. The receiver holds 64 bytes: read at least that often, every 0.4 ms
 //         at 1500000 baud.
 // Cost    Two accesses a byte.

@@ -2,10 +2,8 @@
 // In      The driver's accesses. send_out(n): the time of n bytes passes on the line, at most that
 //         many leave the transmitter. receive(): a byte arrives, perhaps damaged.
 // Out     sent(): what left, from the first. divisor(): as set.
-// Frames  none.
 // Errors  See emulated/register_file.h. A byte written to a full FIFO, or a read of an empty one: a
 //         bug of the driver, asserts.
-// Cost    none that matters.
 // Source  rk3399_uart_registers.h.
 #pragma once
 

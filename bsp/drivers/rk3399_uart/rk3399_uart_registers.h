@@ -1,8 +1,5 @@
 // A UART of the RK3399: a 16550 whose registers are 4 bytes apart, with FIFOs of 64 bytes.
-// In, Out nothing: rows and bits.
-// Frames  none.
 // Errors  none.
-// Cost    none.
 // Source  Rockchip RK3399 TRM V1.3 part 2, chapter "UART" (a Synopsys DesignWare APB UART). Three
 //         offsets hold several registers: which one answers depends on the direction of the access
 //         and on LCR.DLAB. While USR.BUSY is set, a write to LCR or to the divisor is ignored.

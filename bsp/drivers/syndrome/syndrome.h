@@ -1,9 +1,7 @@
 // What a processor says about an exception, in words.
 // In      ESR_EL1, FAR_EL1; whether it was a system error.
 // Out     For example "null access: write at 0x8, not mapped".
-// Frames  none.
 // Errors  A class without words here is given as a number.
-// Cost    none that matters.
 // Source  Arm ARM D13.2.37 (ESR_EL1).
 #pragma once
 

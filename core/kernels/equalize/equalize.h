@@ -2,7 +2,6 @@
 // In      8-bit grey, 1 x 1 px and more, at most 2^24 pixels (a count of them is exact in float).
 // Out     8-bit grey of the same size, out_stride >= width. out may be in.data with in's stride.
 //         An image of one value stays as it is. Same bytes as cv::equalizeHist.
-// Frames  none.
 // Errors  None. Asserts the size.
 // Cost    752 x 480: 0.16 ms x86-64 (make bench K=equalize). 5 KiB of stack.
 // Goal    A72 cycles: equalize 3.5 a pixel (make bench BOARD=qemu-virt).

@@ -2,7 +2,6 @@
 // In      Descriptors of describe(); set: n >= 0 of them.
 // Out     0..256. hamming_best: index and distance of the nearest (the first among equals), and the
 //         distance of the second nearest. What does not exist: index -1, distance kHammingNone.
-// Frames  none.
 // Errors  None.
 // Cost    2 ns per pair x86-64 (make bench K=hamming).
 // Goal    A72 cycles: hamming_best 11 a pair (make bench BOARD=qemu-virt).

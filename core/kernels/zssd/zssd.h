@@ -4,7 +4,6 @@
 // In      a, b: first pixels; strides in bytes, any sign. No alignment needed. Reads just the
 //         patch.
 // Out     grey^2, summed over the patch: 0..n * 16256.25.
-// Frames  none.
 // Errors  None.
 // Cost    x86-64: 8 x 8: 6 ns, 16 x 16: 19 ns (make bench K=zssd).
 // Goal    A72 cycles: zssd_8x8 90 a call, zssd_16x16 180 a call (make bench BOARD=qemu-virt).
