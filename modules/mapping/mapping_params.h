@@ -10,7 +10,7 @@ namespace pirvs {
 struct MappingParams {
   float window = 10.0f;
   float fixed_keyframes = 12.0f;
-  float fixed_weight = 0.1f;
+  float fixed_weight = 0.3f;
   float shared_points_min = 12.0f;
   float iterations_max = 5.0f;
   float sigma_px = 0.6f;
