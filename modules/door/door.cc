@@ -4,22 +4,13 @@
 #include <iterator>
 
 #include "bsp/api/clock.h"
+#include "modules/imu/imu_sample.h"
 
 namespace pirvs {
 namespace {
 
 constexpr TimeNs kAskImu_ns = 100'000'000;  // a frame interval of slow cameras
 constexpr int kFutureFrames = 3;            // in a row: no accident
-
-ImuSample between(const ImuSample& a, const ImuSample& b, TimeNs t) {
-  const double s = to_seconds(t - a.t) / to_seconds(b.t - a.t);
-  ImuSample out;
-  out.t = t;
-  out.w_B = a.w_B + s * (b.w_B - a.w_B);
-  out.f_B = a.f_B + s * (b.f_B - a.f_B);
-  out.gap_s = b.gap_s;
-  return out;
-}
 
 }  // namespace
 
@@ -251,7 +242,7 @@ Status Door::next(DoorItem& out) {
     if (!frame && !imu_may_pass_silent_cameras()) return Status::kEmpty;
     const bool cut = frame && ahead_.sample.t > frame_.t && has_last_;
     has_ahead_ = cut;
-    hand_out(out, cut ? between(last_, ahead_.sample, frame_.t) : ahead_.sample, false);
+    hand_out(out, cut ? interpolated(last_, ahead_.sample, frame_.t) : ahead_.sample, false);
     return Status::kOk;
   }
 }

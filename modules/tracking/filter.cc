@@ -5,10 +5,9 @@
 
 #include <Eigen/LU>
 
-#include "core/math/so3.h"
+#include "modules/imu/propagation.h"
 
 namespace pirvs {
-namespace {}  // namespace
 
 const char* name(Gate gate) {
   static constexpr const char* kNames[] = {"gate_accepted", "gate_behind_camera", "gate_chi2"};
@@ -39,42 +38,7 @@ void Filter::propagate(const ImuSample& sample) {
     state_.t = sample.t;
     return;
   }
-  const double dt = to_seconds(sample.t - last_.t);
-  const Mat3 R0 = state_.T_WB.R;
-  const Vec3 theta = (0.5 * (last_.w_B + sample.w_B) - state_.b_g) * dt;
-  const Mat3 step_R = so3_exp(theta);
-  const Mat3 R1 = R0 * step_R;
-  const Vec3 a0 = last_.f_B - state_.b_a, a1 = sample.f_B - state_.b_a;
-  const Vec3 a_W = 0.5 * (R0 * a0 + R1 * a1) - Vec3(0, 0, kGravity_m_s2);  // eq. 3
-
-  Mat15 F = Mat15::Identity();
-  const Mat3 da_dtheta = -0.5 * (R0 * skew(a0) + R1 * skew(a1) * step_R.transpose());
-  const Mat3 da_dbg = 0.5 * R1 * skew(a1) * right_jacobian(theta) * dt;
-  const Mat3 da_dba = -0.5 * (R0 + R1);
-  F.block<3, 3>(kTheta, kTheta) = step_R.transpose();
-  F.block<3, 3>(kTheta, kBg) = -right_jacobian(theta) * dt;
-  F.block<3, 3>(kPos, kTheta) = 0.5 * da_dtheta * dt * dt;
-  F.block<3, 3>(kPos, kVel) = Mat3::Identity() * dt;
-  F.block<3, 3>(kPos, kBg) = 0.5 * da_dbg * dt * dt;
-  F.block<3, 3>(kPos, kBa) = 0.5 * da_dba * dt * dt;
-  F.block<3, 3>(kVel, kTheta) = da_dtheta * dt;
-  F.block<3, 3>(kVel, kBg) = da_dbg * dt;
-  F.block<3, 3>(kVel, kBa) = da_dba * dt;
-  const Mat15 FP = F * cov_;
-  cov_.noalias() = FP * F.transpose();
-  const auto square = [](double x) { return x * x; };
-  const ImuNoise noise = bridged(noise_, static_cast<double>(sample.gap_s));
-  cov_.diagonal().segment<3>(kTheta).array() += square(noise.gyro_noise) * dt;
-  cov_.diagonal().segment<3>(kVel).array() += square(noise.accel_noise) * dt;
-  cov_.diagonal().segment<3>(kPos).array() += 0.25 * square(noise.accel_noise * dt) * dt;
-  cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
-  cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
-  cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
-
-  state_.T_WB.p += state_.v_WB * dt + 0.5 * a_W * dt * dt;  // eq. 5
-  state_.v_WB += a_W * dt;                                  // eq. 4
-  state_.T_WB.R = orthonormalized(R1);                      // eqs. 1, 2
-  state_.t = sample.t;
+  pirvs::propagate(last_, sample, noise_, state_, cov_);
   last_ = sample;
 }
 

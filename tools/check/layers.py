@@ -20,7 +20,7 @@ ALLOWED = {
 # so that there is no circle. All may include core. A module that is missing here is refused.
 MODULES = {
     "state": [],
-    "imu": [],
+    "imu": ["state"],
     "calibration": ["imu"],
     "frontend": [],
     "map": ["state", "imu", "frontend"],
