@@ -279,6 +279,8 @@ Status App::run(const CorePlan& plan, Pace pace) {
   return tracker_.running() ? Status::kOk : Status::kBadData;
 }
 
+static_assert(sizeof(App) <= kPoolBytesMax, "all static pools of the stack: the board's share");
+
 int App::pools(NamedValue* out, int max) {
   const NamedValue table[] = {
       {"frontend", sizeof(frontend_)},

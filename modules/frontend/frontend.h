@@ -88,7 +88,7 @@ class Frontend {
   TrackId next_id_ = 1;
   Tracks tracks_;
   uint32_t losses_[static_cast<int>(TrackLoss::kCount)] = {};
-  static constexpr int kBinsMax = 2048;
+  static constexpr int kBinsMax = kImagePixelsMax / (kBinMin_px * kBinMin_px);
   uint8_t bin_wait_[kBinsMax] = {};
 };
 

@@ -7,6 +7,8 @@
 
 namespace pirvs {
 
+inline constexpr int kBinMin_px = 16, kBinMax_px = 64;  // sides that memory and corner_best() take
+
 struct FrontendParams {
   float tracks_target = 180.0f;
   float bin_px = 36.0f;
@@ -22,7 +24,8 @@ struct FrontendParams {
 
 inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
     {"tracks_target", &FrontendParams::tracks_target, 10, 240, "1", "tracks wanted per camera"},
-    {"bin_px", &FrontendParams::bin_px, 16, 64, "px", "side of a spatial bin, one new corner each"},
+    {"bin_px", &FrontendParams::bin_px, kBinMin_px, kBinMax_px, "px",
+     "side of a spatial bin, one new corner each"},
     {"track_spacing_px_min", &FrontendParams::track_spacing_px_min, 4, 64, "px",
      "no new corner nearer to a track"},
     {"corner_response_min", &FrontendParams::corner_response_min, 0, 1e9f, "grey^2",
