@@ -8,6 +8,7 @@
 #include "bsp/api/cores.h"
 #include "bsp/api/watchdog.h"
 #include "core/trace/trace.h"
+#include "modules/app/lens_scale.h"
 
 namespace pirvs {
 namespace {
@@ -33,17 +34,17 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   this->~App();
   new (this) App;
   calibration_ = calibration;
-  params_ = params;
+  params_ = for_lens(params, calibration.camera[0]);
   sinks_ = sinks;
-  door_.configure(calibration, params.door);
+  door_.configure(calibration, params_.door);
   clock_check_.configure(calibration.camera);
   for (int c = 0; c < kCamerasMax; ++c) {
-    frontend_[c].configure(calibration.camera[c], params.frontend);
+    frontend_[c].configure(calibration.camera[c], params_.frontend);
   }
-  const ImuNoise noise = scaled(calibration.imu, params.imu);
-  tracker_.configure(calibration.camera, calibration.cameras, noise, params.tracking,
+  const ImuNoise noise = scaled(calibration.imu, params_.imu);
+  tracker_.configure(calibration.camera, calibration.cameras, noise, params_.tracking,
                      &keyframe_ring_, &map_mailbox_);
-  mapper_.configure(calibration.camera, noise, params.mapping, &keyframe_ring_, &map_mailbox_);
+  mapper_.configure(calibration.camera, noise, params_.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks.keyframe, sinks.context);
 }
 
