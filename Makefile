@@ -72,10 +72,12 @@ FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
 # same code wherever the linker takes them from, or results would depend on the order of objects.
 #   -ffp-contract=off, EIGEN_DONT_VECTORIZE   the same bits on x86-64 and AArch64
 #   EIGEN_STACK_ALLOCATION_LIMIT              Eigen never calls malloc for a temporary
+#   -iquote                                   board_limits.h: the board's own, or that of all bare
 ARCH := $(if $(filter host,$(BOARD)),-march=native)
 COMMON := -std=c++17 $(ARCH) -ffp-contract=off -fno-math-errno -Wall -Wextra \
   -DEIGEN_DONT_VECTORIZE -DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul -DEIGEN_NO_IO \
-  -I. -isystem /usr/include/eigen3 -ffile-prefix-map=$(CURDIR)/=
+  -I. -iquote board/$(BOARD) -iquote board/bare -isystem /usr/include/eigen3 \
+  -ffile-prefix-map=$(CURDIR)/=
 RELEASE := -O3 -g1
 comma := ,
 # Not among the sanitizers: null (address sees it as well), alignment and object-size, which double

@@ -49,6 +49,22 @@ TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
   expect_tracked(run);
 }
 
+// Other sizes and lenses with the same parameters: 512 x 512, 848 x 800, 1280 x 800. Fewer frames
+// than the devices give: drawing takes the time.
+TEST(simulated_flight, other_devices_are_tracked_to_half_a_percent) {
+  for (const char* device : {"tumvi", "t265", "oakd"}) {
+    SCOPED_TRACE(device);
+    tools::SimOptions options;
+    options.device = device;
+    options.duration_s = 6;
+    options.rate_hz = 20;
+    options.blur = 1;
+    const Replay run = replay(made(options, device));
+    print(device, run);
+    expect_tracked(run);
+  }
+}
+
 // One App for the whole process: nothing of one recording may reach the next.
 TEST(simulated_flight, a_run_forgets_the_one_before) {
   const std::string first = euroc_run().trajectory();

@@ -34,7 +34,7 @@ struct Scene {
   Descriptor descriptors[kPoints];
   Camera camera[2];  // one per model
   Vec3 bearings_C[kPoints];
-  alignas(64) uint8_t out[kImageWidthMax * kImageHeightMax];
+  alignas(64) uint8_t out[kImagePixelsMax];
   volatile uint32_t sink;  // results that nobody else wants
 };
 

@@ -159,7 +159,7 @@ Status open_recording() {
     line.unsigned_number(run.pack.header().imu_count).put(" IMU samples");
     for (int c = 0; c < kCamerasMax; ++c) {
       const Camera camera = run.pack.camera(c);
-      if (camera.width > kImageWidthMax || camera.height > kImageHeightMax) {
+      if (!image_fits(camera.width, camera.height)) {
         line.put(": images larger than this image was built for");
         say(line);
         return Status::kBadData;

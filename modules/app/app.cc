@@ -7,6 +7,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/watchdog.h"
 #include "core/trace/trace.h"
+#include "modules/app/lens_scale.h"
 
 namespace pirvs {
 namespace {
@@ -26,10 +27,11 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   this->~App();
   new (this) App;
   calibration_ = calibration;
+  const AppParams scaled = for_lens(params, calibration.camera[0]);
   sinks_ = sinks;
-  door_.configure(calibration, params.door);
+  door_.configure(calibration, scaled.door);
   clock_check_.configure(calibration.camera);
-  estimator_.configure(calibration, params, sinks);
+  estimator_.configure(calibration, scaled, sinks);
 }
 
 // Until it is known whether a clock was set, nothing of it may get into the map.
@@ -163,6 +165,8 @@ Status App::run(const CorePlan& plan, Drive drive) {
   }
   return finish();
 }
+
+static_assert(sizeof(App) <= kPoolBytesMax, "all static pools of the stack: the board's share");
 
 int App::pools(NamedValue* out, int max) {
   int count = Estimator::pools(out, max);

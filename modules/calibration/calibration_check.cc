@@ -45,12 +45,12 @@ bool covers_image(const Camera& c) {
 }
 
 CalibrationFault find_camera_fault(const Camera& camera, const char* where) {
-  if (camera.width > kImageWidthMax || camera.height > kImageHeightMax) {
-    return {where, "the image is larger than the memory of this build",
-            "record smaller images, or raise core/base/limits.h"};
-  }
   if (camera.width < 16 || camera.height < 16) {
     return {where, "the image has no size", "give width and height in pixels"};
+  }
+  if (!image_fits(camera.width, camera.height)) {
+    return {where, "the image is larger than the memory of this build",
+            "record smaller images, or raise the board's board_limits.h"};
   }
   if (!is_finite(camera)) return {where, "a number is not finite", "calibrate again"};
   if (!is_rotation(camera.T_BC.R)) {

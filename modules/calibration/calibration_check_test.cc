@@ -53,9 +53,25 @@ struct Case {
   std::function<void(Calibration&)> spoil;
 };
 
+TEST(calibration_check, takes_every_shape_that_the_memory_holds) {
+  for (const auto& [width, height] : {std::pair{512, 512}, {480, 752}, {1280, 800}, {1024, 1280}}) {
+    Calibration c = good();
+    for (Camera& camera : c.camera) {
+      camera.width = width;
+      camera.height = height;
+      camera.fx = camera.fy = width;
+      camera.cx = width / 2.0;
+      camera.cy = height / 2.0;
+    }
+    EXPECT_FALSE(find_fault(c)) << width << " x " << height << ": " << find_fault(c).what;
+  }
+}
+
 TEST(calibration_check, says_where_it_is_wrong) {
   const Case cases[] = {
       {"cam0", "larger", [](Calibration& c) { c.camera[0].width = 4096; }},
+      {"cam1", "larger", [](Calibration& c) { c.camera[1].height = 1281; }},
+      {"cam0", "larger", [](Calibration& c) { c.camera[0].width = c.camera[0].height = 1280; }},
       {"cam1", "no size", [](Calibration& c) { c.camera[1].height = 0; }},
       {"cam0", "finite", [](Calibration& c) { c.camera[0].d[2] = NAN; }},
       {"cam1", "finite", [](Calibration& c) { c.camera[1].T_BC.p.x() = INFINITY; }},

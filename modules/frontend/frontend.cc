@@ -34,9 +34,8 @@ const char* name(TrackLoss loss) {
 
 DetectionGrid detection_grid(int width, int height, int side_px) {
   constexpr int kMargin = static_cast<int>(kDetectMargin_px);
-  static_assert(
-      (kImageWidthMax / kCornerSizeMax) * (kImageHeightMax / kCornerSizeMax) <= kDetectionCellsMax,
-      "cells of the size that corner_best takes cover the largest image");
+  static_assert(kImagePixelsMax / (kCornerSizeMax * kCornerSizeMax) <= kDetectionCellsMax,
+                "cells of the size that corner_best takes cover the largest image");
   const int room_x = width - 2 * kMargin, room_y = height - 2 * kMargin;
   if (room_x <= 0 || room_y <= 0) return {side_px, 0, 0};
   int side = std::min({side_px, room_x, room_y});

@@ -7,6 +7,8 @@
 
 namespace pirvs {
 
+inline constexpr int kBinMin_px = 16, kBinMax_px = 64;  // sides that memory and corner_best() take
+
 struct FrontendParams {
   float tracks_target = 180.0f;
   float bin_px = 36.0f;
@@ -23,7 +25,7 @@ struct FrontendParams {
 inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
     {"tracks_target", &FrontendParams::tracks_target, 10, 240, count_of("tracks"), Audience::kUser,
      "tracks per camera that detection aims at; more cost time in every frame"},
-    {"bin_px", &FrontendParams::bin_px, 16, 64, count_of("px"), Audience::kExpert,
+    {"bin_px", &FrontendParams::bin_px, kBinMin_px, kBinMax_px, count_of("px"), Audience::kExpert,
      "side of the grid cells of detection, one new corner in each; larger where the grid would "
      "hold too many"},
     {"track_spacing_px_min", &FrontendParams::track_spacing_px_min, 4, 64, "px", Audience::kExpert,

@@ -23,29 +23,31 @@ const Vec3 kDown_C(0, 9.81, 0);
 
 // A plain camera before a texture that slides by.
 struct Slide {
-  explicit Slide(uint32_t seed = 1) : texture(seed) {
-    camera.width = camera.height = kSide;
+  explicit Slide(uint32_t seed = 1, int width = kSide, int height = kSide) : texture(seed) {
+    camera.width = width;
+    camera.height = height;
     camera.fx = camera.fy = 150;
-    camera.cx = camera.cy = (kSide - 1) / 2.0;
+    camera.cx = (width - 1) / 2.0;
+    camera.cy = (height - 1) / 2.0;
     params.tracks_target = 200;
     params.bin_px = 36;
     frontend->configure(camera, params);
   }
   // The point of the scene at (x, y) of the first image is at (x + shift) of this one.
   std::vector<uint8_t> image(const Vec2& shift, double gain = 1, double offset = 0) const {
-    std::vector<uint8_t> out(kSide * kSide);
-    for (int y = 0; y < kSide; ++y) {
-      for (int x = 0; x < kSide; ++x) {
+    std::vector<uint8_t> out;
+    for (int y = 0; y < camera.height; ++y) {
+      for (int x = 0; x < camera.width; ++x) {
         const double grey = texture.at((x - shift.x()) / 10, (y - shift.y()) / 10);
-        out[static_cast<size_t>(y * kSide + x)] =
-            static_cast<uint8_t>(std::lround(gain * grey + offset));
+        out.push_back(static_cast<uint8_t>(std::lround(gain * grey + offset)));
       }
     }
     return out;
   }
   Status show(const std::vector<uint8_t>& pixels, const Vec3& gravity_C = kDown_C) {
     frontend->predict(Mat3::Identity());
-    return frontend->process({pixels.data(), kSide, kSide, kSide}, t += 50'000'000, gravity_C);
+    const ImageView view = {pixels.data(), camera.width, camera.height, camera.width};
+    return frontend->process(view, t += 50'000'000, gravity_C);
   }
   Tracks& tracks() { return frontend->tracks(); }
   uint32_t lost(TrackLoss loss) const { return frontend->losses()[loss]; }
@@ -106,6 +108,36 @@ TEST(frontend, an_image_that_is_all_margin_has_no_tracks) {
   const std::vector<uint8_t> grey(40 * 40, 100);
   EXPECT_EQ(s.frontend->process({grey.data(), 40, 40, 40}, 1, kDown_C), Status::kOk);
   EXPECT_EQ(s.tracks().size(), 0u);
+}
+
+// Tracks stand in all nine parts of the image and are followed there.
+void expect_followed_everywhere(int width, int height, float bin_px) {
+  Slide s(1, width, height);
+  s.params.bin_px = bin_px;
+  s.params.tracks_target = 240;
+  s.frontend->configure(s.camera, s.params);
+  const Vec2 step(3.3, -1.7);
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  ASSERT_EQ(s.show(s.image(step)), Status::kOk);
+  int parts[9] = {};
+  for (const Track& track : s.tracks()) {
+    if (track.age == 0) continue;
+    EXPECT_NEAR(track.x - track.x_last, step.x(), 0.2);
+    EXPECT_NEAR(track.y - track.y_last, step.y(), 0.2);
+    ++parts[static_cast<int>(track.y) * 3 / height * 3 + static_cast<int>(track.x) * 3 / width];
+  }
+  for (const int tracks : parts) EXPECT_GE(tracks, 3) << width << " x " << height;
+}
+
+TEST(frontend, follows_in_images_of_every_shape) {
+  expect_followed_everywhere(480, 752, 36);
+  expect_followed_everywhere(512, 512, 36);
+  expect_followed_everywhere(1280, 800, 60);
+  expect_followed_everywhere(1024, 1280, 64);
+}
+
+TEST(frontend, the_largest_image_may_have_the_smallest_bins) {
+  expect_followed_everywhere(1024, 1280, kBinMin_px);
 }
 
 TEST(frontend, keeps_to_the_number_of_tracks_wanted) {

@@ -7,17 +7,18 @@
 namespace pirvs {
 
 void PyramidStore::build(const ImageView& image, int levels) {
-  PIRVS_ASSERT(image.width <= kImageWidthMax && image.height <= kImageHeightMax);
+  PIRVS_ASSERT(image_fits(image.width, image.height));
   PIRVS_ASSERT(levels >= 1 && levels <= kLevels);
   levels_ = levels;
+  const int stride = (image.width + kAlign - 1) / kAlign * kAlign;
   uint8_t* at = data_;
-  equalize(image, at, kStride);
-  level_[0] = {at, image.width, image.height, kStride};
+  equalize(image, at, stride);
+  level_[0] = {at, image.width, image.height, stride};
   for (int l = 1; l < levels; ++l) {
     const ImageView& above = level_[l - 1];
-    at += above.height * kStride;
-    pyramid_down(above, at, kStride);
-    level_[l] = {at, (above.width + 1) / 2, (above.height + 1) / 2, kStride};
+    at += above.height * stride;
+    pyramid_down(above, at, stride);
+    level_[l] = {at, (above.width + 1) / 2, (above.height + 1) / 2, stride};
   }
 }
 

@@ -80,24 +80,22 @@ void Mapper::join(const KeyframeMessage& message) {
 void Mapper::close(const KeyframeMessage& message) {
   size_t begin = run_begin();
   while (begin < order_.size() && keyframe(begin).sequence <= message.closes_to) ++begin;
-  static LoopStep steps[kKeyframesMax];
-  static LoopCorrection corrections[kKeyframesMax];
-  static SE3 motions[kKeyframesMax];
   const size_t count = order_.size() - begin;
   for (size_t i = 0; i < count; ++i) {
-    steps[i] = {keyframe(begin + i).state.T_WB.p, keyframe(begin + i).added};
+    loop_steps_[i] = {keyframe(begin + i).state.T_WB.p, keyframe(begin + i).added};
   }
-  spread_loop(steps, static_cast<int>(count), message.off, message.off_cov, corrections);
+  spread_loop(loop_steps_, static_cast<int>(count), message.off, message.off_cov,
+              loop_corrections_);
   const Keyframe* const old = begin > 0 ? &keyframe(begin - 1) : nullptr;
   for (size_t i = 0; i < count; ++i) {
     Keyframe& moved = keyframe(begin + i);
-    motions[i] = motion_of(corrections[i].xi, moved.state.T_WB.p);
-    moved.error = corrections[i].left;
+    loop_motions_[i] = motion_of(loop_corrections_[i].xi, moved.state.T_WB.p);
+    moved.error = loop_corrections_[i].left;
     if (old != nullptr) {
       moved.error += error_about(moved.state.T_WB.p, old->state.T_WB.p, old->error);
     }
-    move(motions[i], moved.state);
-    if (moved.sequence == prior_.sequence) move(motions[i], prior_);
+    move(loop_motions_[i], moved.state);
+    if (moved.sequence == prior_.sequence) move(loop_motions_[i], prior_);
   }
   newest_error_ = keyframe(order_.size() - 1).error;
   const uint32_t sequence_begin = keyframe(begin).sequence;
@@ -110,7 +108,7 @@ void Mapper::close(const KeyframeMessage& message) {
                                         [&](uint32_t sequence, KeyframeId id) {
                                           return sequence < map_.keyframes.find(id)->sequence;
                                         });
-    move(motions[after - order_.begin() - begin - 1], *point);
+    move(loop_motions_[after - order_.begin() - begin - 1], *point);
   }
 }
 
@@ -455,21 +453,16 @@ void Mapper::add_points(size_t window_begin) {
       at = static_cast<uint16_t>(bundle_points_.size() - 1);
     });
   }
-  struct Entry {
-    Observation* observation;
-    int16_t frame, camera;
-  };
-  static FixedVector<Entry, Bundle::kObservationsMax> sorted;
   const auto for_each = [&](auto&& visit) {
     for (const Member& member : members_) {
       for_each_sighting(keyframe(member.order), [&](int c, Observation& sighting, const Landmark&) {
         const uint16_t at = place[sighting.landmark.slot];
-        if (at != kNone) visit(at, Entry{&sighting, member.frame, int16_t(c)});
+        if (at != kNone) visit(at, Grouped{&sighting, member.frame, int16_t(c)});
       });
     }
   };
   size_t total = 0;
-  for_each([&](uint16_t point, const Entry&) {
+  for_each([&](uint16_t point, const Grouped&) {
     if (total >= Bundle::kObservationsMax) return;
     ++counts[point];
     ++total;
@@ -480,16 +473,16 @@ void Mapper::add_points(size_t window_begin) {
     next[p] = sum;
     sum += counts[p];
   }
-  sorted.resize(total);
+  sorted_.resize(total);
   size_t visited = 0;
-  for_each([&](uint16_t point, const Entry& entry) {
-    if (visited++ < total) sorted[next[point]++] = entry;
+  for_each([&](uint16_t point, const Grouped& entry) {
+    if (visited++ < total) sorted_[next[point]++] = entry;
   });
   size_t at = 0;
   for (size_t p = 0; p < bundle_points_.size(); ++p) {
     const int point = bundle_.add_point(map_.landmarks.find(bundle_points_[p])->p_W);
     for (uint16_t k = 0; k < counts[p]; ++k, ++at) {
-      const Entry& entry = sorted[at];
+      const Grouped& entry = sorted_[at];
       const bool added =
           bundle_.add_observation(point, entry.frame, entry.camera,
                                   Vec2(entry.observation->x, entry.observation->y)) &&

@@ -126,6 +126,15 @@ class Mapper {
   int window_first_ = 0;                             // first free one in members_
   FixedVector<LandmarkId, Bundle::kPointsMax> bundle_points_;
   FixedVector<Observation*, Bundle::kObservationsMax> sightings_;  // as the bundle's observations
+  // Working memory of add_points() and close(), too large for a stack.
+  struct Grouped {
+    Observation* observation;
+    int16_t frame, camera;
+  };
+  FixedVector<Grouped, Bundle::kObservationsMax> sorted_;  // by point
+  LoopStep loop_steps_[kKeyframesMax];
+  LoopCorrection loop_corrections_[kKeyframesMax];
+  SE3 loop_motions_[kKeyframesMax];
   WindowPrior prior_;
   uint32_t run_sequence_ = 0;  // first keyframe of the last start
   Mat15 newest_cov_ = Mat15::Identity();

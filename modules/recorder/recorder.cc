@@ -100,7 +100,7 @@ void Recorder::frame(const StereoFrame& in) {
   for (int c = 0; c < kCamerasMax; ++c) {
     const ImageView& image = in.image[c];
     const bool fits = (in.present >> c & 1) != 0 && image.data != nullptr &&
-                      image.width <= kImageWidthMax && image.height <= kImageHeightMax;
+                      image_fits(image.width, image.height);
     if (!fits) continue;
     out->present = static_cast<uint8_t>(out->present | 1u << c);
     out->t[c] = in.t - in.late[c];

@@ -55,7 +55,7 @@ class Recorder {
     TimeNs t[kCamerasMax];
     uint8_t present;
     int width[kCamerasMax], height[kCamerasMax];
-    uint8_t pixels[kCamerasMax][kImageWidthMax * kImageHeightMax];
+    uint8_t pixels[kCamerasMax][kImagePixelsMax];
   };
   static constexpr size_t kBlock = 4096;
   // A table of text that grows block by block.

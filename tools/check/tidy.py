@@ -11,7 +11,7 @@ import re
 import subprocess
 from pathlib import Path
 
-FLAGS = ["-std=c++17", "-Wno-everything", "-I.", "-isystem/usr/include/eigen3",
+FLAGS = ["-std=c++17", "-Wno-everything", "-I.", "-iquoteboard/host", "-isystem/usr/include/eigen3",
          "-isystem/usr/include/opencv4", "-DEIGEN_DONT_VECTORIZE",
          "-DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul", "-DEIGEN_NO_IO"]
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)

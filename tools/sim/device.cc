@@ -53,33 +53,57 @@ Device euroc() {
   return device;
 }
 
-Device ironsides() {
-  Device device{"ironsides", {}, 60, Mat3::Identity()};
+struct Lens {
+  double fx, fy, cx, cy;
+  double d[4];
+};
+
+// Both cameras look along x; no assembly is perfect: half a degree between the lenses.
+Device side_by_side(const char* name, CameraModel model, int width, int height, double rate_hz,
+                    double half_baseline_m, const Lens (&lenses)[2]) {
+  Device device{name, {}, rate_hz, Mat3::Identity()};
   const Mat3 R_LC = look_from_camera();
   for (int c = 0; c < 2; ++c) {
-    Camera& camera = device.calibration.camera[c];
+    const Lens& lens = lenses[c];
     const double side = c == 0 ? 1 : -1;
-    camera.model = CameraModel::kKannalaBrandt;
-    camera.width = 640;
-    camera.height = 480;
-    camera.fx = c == 0 ? 276.4 : 276.9;
-    camera.fy = c == 0 ? 276.2 : 276.8;
-    camera.cx = c == 0 ? 321.7 : 317.2;
-    camera.cy = c == 0 ? 238.1 : 241.6;
-    const double d[4] = {-0.0105, 0.0031, -0.0009 - 0.0001 * c, 0.0001};
-    for (int i = 0; i < 4; ++i) camera.d[i] = d[i];
-    // No assembly is perfect: half a degree between the lenses.
+    Camera& camera = device.calibration.camera[c];
+    camera = {model, width, height, lens.fx, lens.fy, lens.cx, lens.cy, {}, {}};
+    for (int i = 0; i < 4; ++i) camera.d[i] = lens.d[i];
     camera.T_BC.R = R_LC * so3_exp(Vec3(0.002, -0.004, 0.003) * side);
-    camera.T_BC.p = Vec3(0.018, 0.0325 * side, 0.006);
+    camera.T_BC.p = Vec3(0.018, half_baseline_m * side, 0.006);
   }
   device.calibration.imu = {2.0e-4, 2.5e-5, 2.2e-3, 1.0e-3, 200};
   return device;
 }
 
+Device ironsides() {
+  const Lens lenses[2] = {{276.4, 276.2, 321.7, 238.1, {-0.0105, 0.0031, -0.0009, 0.0001}},
+                          {276.9, 276.8, 317.2, 241.6, {-0.0105, 0.0031, -0.0010, 0.0001}}};
+  return side_by_side("ironsides", CameraModel::kKannalaBrandt, 640, 480, 60, 0.0325, lenses);
+}
+
+Device tumvi() {
+  const Lens lenses[2] = {{190.98, 190.97, 254.93, 256.90, {0.00348, 0.00072, -0.00205, 0.00020}},
+                          {190.44, 190.43, 252.60, 254.92, {0.00340, 0.00177, -0.00266, 0.00033}}};
+  return side_by_side("tumvi", CameraModel::kKannalaBrandt, 512, 512, 20, 0.0505, lenses);
+}
+
+Device t265() {
+  const Lens lenses[2] = {{286.2, 286.3, 420.9, 403.7, {-0.00806, 0.04319, -0.03986, 0.00689}},
+                          {285.8, 285.9, 426.3, 397.2, {-0.00741, 0.04238, -0.03922, 0.00672}}};
+  return side_by_side("t265", CameraModel::kKannalaBrandt, 848, 800, 30, 0.032, lenses);
+}
+
+Device oakd() {
+  const Lens lenses[2] = {{799.3, 799.1, 646.2, 396.4, {-0.0523, 0.0618, 0.0004, -0.0007}},
+                          {801.6, 801.5, 634.8, 405.1, {-0.0517, 0.0609, -0.0003, 0.0005}}};
+  return side_by_side("oakd", CameraModel::kPinholeRadtan, 1280, 800, 30, 0.0375, lenses);
+}
+
 }  // namespace
 
 const Device* find_device(const std::string& name) {
-  static const Device devices[] = {euroc(), ironsides()};
+  static const Device devices[] = {euroc(), ironsides(), tumvi(), t265(), oakd()};
   for (const Device& device : devices) {
     if (name == device.name) return &device;
   }

@@ -69,7 +69,7 @@ Device make_device(const SimOptions& options) {
   const Device* const found = find_device(options.device);
   if (!found) {
     throw InputError("unknown device '" + options.device + "'", "--camera",
-                     "use euroc or ironsides");
+                     "use euroc, ironsides, tumvi, t265 or oakd");
   }
   Device device = *found;
   if (options.rate_hz > 0) device.camera_rate_hz = options.rate_hz;

@@ -13,8 +13,10 @@ namespace {
 
 void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--out", o.out, "folder to write, ASL/EuRoC layout")->required();
-  app.add_option("--camera", o.device,
-                 "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye")
+  app.add_option(
+         "--camera", o.device,
+         "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye; tumvi: 512x512 20 Hz "
+         "fisheye; t265: 848x800 30 Hz fisheye; oakd: 1280x800 30 Hz pinhole")
       ->capture_default_str();
   app.add_option("--path", o.path,
                  "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity) or a "

@@ -74,7 +74,7 @@ TEST(sim, same_seed_same_bytes_whatever_the_threads) {
 }
 
 TEST(sim, its_recording_can_be_opened) {
-  for (const char* device : {"euroc", "ironsides"}) {
+  for (const char* device : {"euroc", "ironsides", "tumvi", "t265", "oakd"}) {
     const Folder folder(device);
     SimOptions options = short_run(folder.path());
     options.device = device;
