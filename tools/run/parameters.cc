@@ -49,9 +49,10 @@ std::string list_parameters(const AppParams& params, bool all) {
         return;
       }
       const std::string name = std::string(group) + "." + row.name;
-      char line[384];
-      std::snprintf(line, sizeof line, "%-36s %10g  [%g, %g] %-10s %s%s\n", name.c_str(), value,
-                    row.min, row.max, row.unit.name, expert ? "(expert) " : "", row.meaning);
+      char range[48], line[384];
+      std::snprintf(range, sizeof range, "[%g, %g]", row.min, row.max);
+      std::snprintf(line, sizeof line, "%-36s %8g  %-15s %-10s %s%s\n", name.c_str(), value, range,
+                    row.unit.name, expert ? "(expert) " : "", row.meaning);
       out += line;
     });
   });
