@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "bsp/api/clock.h"
+#include "bsp/api/tick.h"
 #include "core/base/assert.h"
 
 namespace pirvs::bsp {
@@ -31,6 +32,7 @@ struct Replay {
   bool frame_lent = false;
   bool started = false;
   TimeNs offset = 0;  // now() minus sensor time
+  TimeNs next_tick = 0;
 
   bool is_due(TimeNs t) {
     if (pace == ReplayPace::kFast) return true;
@@ -75,6 +77,13 @@ Status camera_poll(StereoFrame& out) {
   const Status status = replay.poll(replay.frame, replay.source.next_frame, out);
   replay.frame_lent = status == Status::kOk;
   return status;
+}
+
+Status tick_poll(TimeNs& out) {
+  if (replay.pace == ReplayPace::kFast || now() < replay.next_tick) return Status::kEmpty;
+  out = now();
+  replay.next_tick = out + kTick_ns;
+  return Status::kOk;
 }
 
 void camera_release() {

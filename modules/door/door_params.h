@@ -20,6 +20,7 @@ struct DoorParams {
   float clock_step_s = 0.15f;
   float pair_s = 0.001f;
   float frame_wait_s = 0.15f;
+  float lost_s = 0.5f;
 };
 
 inline constexpr ParamRow<DoorParams> kDoorRows[] = {
@@ -45,6 +46,8 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
      "an image whose stamp is farther from its frame's is late and left out"},
     {"frame_wait_s", &DoorParams::frame_wait_s, 0.01f, 10, "s",
      "cameras silent for longer: IMU samples no longer wait for them"},
+    {"lost_s", &DoorParams::lost_s, 0.01f, 10, "s",
+     "a sensor whose driver has reported nothing but faults for this long is lost"},
 };
 static_assert(sizeof(DoorParams) == std::size(kDoorRows) * sizeof(float));
 static_assert(in_range(DoorParams{}, kDoorRows));
