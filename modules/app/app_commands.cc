@@ -11,10 +11,7 @@ Status App::record() {
     recorder_.finish();
     return status;
   }
-  const auto arrival = [](void* r, const Arrival& a) {
-    if (a.kind == ArrivalKind::kImu) static_cast<Recorder*>(r)->imu(a.imu);
-    if (a.kind == ArrivalKind::kFrame) static_cast<Recorder*>(r)->frame(a.frame);
-  };
+  const auto arrival = [](void* r, const Arrival& a) { static_cast<Recorder*>(r)->arrival(a); };
   intake_.set_tap({&recorder_, arrival});
   return Status::kOk;
 }
