@@ -140,6 +140,47 @@ TEST(fault, a_live_imu_falls_silent) {
   EXPECT_EQ(run.result.exit_status(), 0);
 }
 
+// Twenty times as many faults of the drivers as a bus has on a bad day.
+TEST(fault, drivers_that_report_faults) {
+  Recording faulty = recording();
+  size_t imu = 0, frame = 0;
+  const auto fault = [&](Sensor sensor, Status status) {
+    OrderRow row;
+    row.kind = OrderKind::kFault;
+    row.sensor = sensor;
+    row.status = status;
+    faulty.order.push_back(row);
+  };
+  const auto spread = [&](size_t total) {  // as many of them as there are until this sample
+    return imu * total / faulty.imu.size() - (imu - 1) * total / faulty.imu.size();
+  };
+  while (imu < faulty.imu.size() || frame < faulty.frames.size()) {
+    OrderRow row;
+    const bool is_frame = imu == faulty.imu.size() || (frame < faulty.frames.size() &&
+                                                       faulty.frames[frame].t < faulty.imu[imu].t);
+    row.kind = is_frame ? OrderKind::kFrame : OrderKind::kImu;
+    ++(is_frame ? frame : imu);
+    faulty.order.push_back(row);
+    if (is_frame) continue;
+    for (const Sensor sensor : {Sensor::kImu, Sensor::kCamera}) {
+      for (size_t n = spread(2000); n > 0; --n) fault(sensor, Status::kBusFault);
+      for (size_t n = spread(200); n > 0; --n) fault(sensor, Status::kTimeout);
+    }
+  }
+  const Replay run = replay(faulty);
+  print("2000 bus faults and 200 timeouts of each sensor", run);
+  EXPECT_EQ(run.counter("imu_bus_fault"), 2000u);
+  EXPECT_EQ(run.counter("imu_timeout"), 200u);
+  EXPECT_EQ(run.counter("camera_bus_fault"), 2000u);
+  EXPECT_EQ(run.counter("camera_timeout"), 200u);
+  EXPECT_EQ(run.trajectory(), replay(recording()).trajectory());
+  size_t told = 0;
+  for (const tools::HealthEvent& event : run.log.health) {
+    told += event.what == "the IMU's driver reports faults";
+  }
+  EXPECT_GE(told, 5u) << "about once a second";
+}
+
 TEST(fault, imu_samples_that_are_no_numbers) {
   const Replay run = broken_by({"nan:2.5", "nan:3-3.02"});
   expect_bridged(run);

@@ -60,6 +60,7 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   {
     tools::Feed feed(recording, faults);
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
+    app.replay_commands(feed.commands());
     if (options.mapping_lag >= 0) app.delay_mapping(options.mapping_lag);
     out.status = play(app, feed.source(), board::kPlans[options.cores - 1], options.playback);
     out.rejected = feed.rejected();

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "bsp/api/clock.h"
+#include "bsp/api/tick.h"
 #include "core/base/assert.h"
 
 namespace pirvs::bsp {
@@ -13,13 +14,16 @@ namespace {
 template <class T>
 struct Ahead {
   T item;
+  TimeNs arrival = 0;
   bool here = false;
   bool ended = false;
 
-  void fetch(bool (*next)(void*, T&), void* context) {
+  void fetch(bool (*next)(void*, T&), const RecordingSource& source, bool is_frame) {
     if (here || ended) return;
-    here = next(context, item);
+    here = next(source.context, item);
     ended = !here;
+    if (ended) return;
+    arrival = source.arrival != nullptr ? source.arrival(source.context, is_frame) : item.t;
   }
 };
 
@@ -31,27 +35,37 @@ struct Replay {
   bool frame_lent = false;
   bool started = false;
   TimeNs offset = 0;  // now() minus sensor time
+  TimeNs next_tick = 0;
 
-  bool is_due(TimeNs t) {
-    if (pace == ReplayPace::kFast) return true;
+  void fetch_imu() { imu.fetch(source.next_imu, source, false); }
+  void fetch_frame() { frame.fetch(source.next_frame, source, true); }
+
+  bool is_due(TimeNs arrival) {
     if (!started) start();
-    return now() >= t + offset;
+    return now() >= arrival + offset;
   }
 
   void start() {
-    imu.fetch(source.next_imu, source.context);
-    frame.fetch(source.next_frame, source.context);
-    const TimeNs imu_t = imu.here ? imu.item.t : INT64_MAX;
-    const TimeNs frame_t = frame.here ? frame.item.t : INT64_MAX;
+    fetch_imu();
+    fetch_frame();
+    const TimeNs imu_t = imu.here ? imu.arrival : INT64_MAX;
+    const TimeNs frame_t = frame.here ? frame.arrival : INT64_MAX;
     offset = now() - std::min(imu_t, frame_t);
     started = true;
   }
 
+  bool follows_order() const { return source.order != nullptr && pace == ReplayPace::kFast; }
+
+  // What the poll of a source answers when a recorded order is followed; kOk: its item is next.
+  Status follow(RecordedArrival::Kind kind, RecordedArrival& row) {
+    if (!source.order(source.context, row)) return Status::kStale;
+    if (row.kind != kind) return Status::kEmpty;
+    source.go_on(source.context);
+    return row.status;
+  }
+
   template <class T>
-  Status poll(Ahead<T>& ahead, bool (*next)(void*, T&), T& out) {
-    ahead.fetch(next, source.context);
-    if (ahead.ended) return Status::kStale;
-    if (!is_due(ahead.item.t)) return Status::kEmpty;
+  static Status take(Ahead<T>& ahead, T& out) {
     out = ahead.item;
     ahead.here = false;
     return Status::kOk;
@@ -68,13 +82,57 @@ void replay_start(const RecordingSource& source, ReplayPace pace) {
   replay.pace = pace;
 }
 
-Status imu_poll(ImuSample& out) { return replay.poll(replay.imu, replay.source.next_imu, out); }
+Status imu_poll(ImuSample& out) {
+  if (replay.follows_order()) {
+    RecordedArrival row;
+    const Status status = replay.follow(RecordedArrival::Kind::kImu, row);
+    if (status != Status::kOk && status != Status::kFull) return status;
+    replay.fetch_imu();
+    if (replay.imu.ended) return Status::kStale;
+    (void)Replay::take(replay.imu, out);
+    return status;
+  }
+  replay.fetch_imu();
+  if (replay.imu.ended) return Status::kStale;
+  const bool due = replay.pace == ReplayPace::kFast || replay.is_due(replay.imu.arrival);
+  return due ? Replay::take(replay.imu, out) : Status::kEmpty;
+}
 
 Status camera_poll(StereoFrame& out) {
   PIRVS_ASSERT(!replay.frame_lent);
-  const Status status = replay.poll(replay.frame, replay.source.next_frame, out);
-  replay.frame_lent = status == Status::kOk;
-  return status;
+  if (replay.follows_order()) {
+    RecordedArrival row;
+    PIRVS_TRY(replay.follow(RecordedArrival::Kind::kFrame, row));
+    replay.fetch_frame();
+    if (replay.frame.ended) return Status::kStale;
+    replay.frame_lent = true;
+    return Replay::take(replay.frame, out);
+  }
+  replay.fetch_frame();
+  if (replay.frame.ended) return Status::kStale;
+  bool due = false;
+  if (replay.pace == ReplayPace::kFast) {
+    replay.fetch_imu();
+    due = replay.imu.ended || replay.frame.arrival < replay.imu.arrival;
+  } else {
+    due = replay.is_due(replay.frame.arrival);
+  }
+  if (!due) return Status::kEmpty;
+  replay.frame_lent = true;
+  return Replay::take(replay.frame, out);
+}
+
+Status tick_poll(TimeNs& out) {
+  if (replay.follows_order()) {
+    RecordedArrival row;
+    const Status status = replay.follow(RecordedArrival::Kind::kTick, row);
+    out = row.t;
+    return status;
+  }
+  if (replay.pace == ReplayPace::kFast || now() < replay.next_tick) return Status::kEmpty;
+  out = now();
+  replay.next_tick = out + kTick_ns;
+  return Status::kOk;
 }
 
 void camera_release() {

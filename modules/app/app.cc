@@ -12,8 +12,6 @@
 namespace pirvs {
 namespace {
 
-constexpr TimeNs kDoubtMax_ns = 2'000'000'000;  // undecided for longer: a body that hardly turns
-
 // For counters(): the scheduler lives from start() to finish() alone.
 void copy_counters(const Scheduler& scheduler, TaskCounters* counters) {
   for (size_t i = 0; i < scheduler.size(); ++i) counters[i] = scheduler.counters(i);
@@ -29,44 +27,27 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   calibration_ = calibration;
   const AppParams scaled = for_lens(params, calibration.camera[0]);
   sinks_ = sinks;
-  door_.configure(calibration, scaled.door);
-  clock_check_.configure(calibration.camera);
+  DoorListener listener;
+  listener.release = Intake::release;
+  door_.configure(calibration, scaled.door, listener);
+  const auto next_command = [](void* context, Command& out) {
+    App& app = *static_cast<App*>(context);
+    const CommandSource& recorded = app.replayed_;
+    if (recorded.next != nullptr && recorded.next(recorded.context, out)) return true;
+    return app.commands_.pop(out);
+  };
+  intake_.configure(&door_, {}, {this, next_command});
   estimator_.configure(calibration, scaled, sinks);
 }
 
-// Until it is known whether a clock was set, nothing of it may get into the map.
-bool App::stamps_in_doubt(TimeNs t) const {
-  const ClockDoubt& doubt = door_.doubt();
-  if (doubt.shift == 0) return false;
-  const TimeNs delay = doubt.shift > 0 ? doubt.shift : 0;  // of the samples that decide
-  return doubt.since == 0 || t - doubt.since <= kDoubtMax_ns + delay;
-}
-
 void App::check_clocks() {
-  const ClockDoubt doubt = door_.doubt();
   const int c = (frame_present_ & 1) != 0 ? 0 : 1;
   const ClockCheck::Frame frame = {door_t_, c, &estimator_.tracks(c),
                                    estimator_.tracker().state().b_g};
-  switch (clock_check_.frame(frame, doubt.shift)) {
-    case ClockCheck::Verdict::kOpen:
-      break;
-    case ClockCheck::Verdict::kHold:
-      door_.clocks_are_right();
-      break;
-    case ClockCheck::Verdict::kSet:
-      door_.clock_was_set();
-      estimator_.interrupt(
-          door_t_, doubt.is_imus ? "the IMU's clock was set" : "the cameras' clock was set");
-      break;
-  }
-}
-
-void App::deliver(const ImuSample& sample) {
-  estimator_.imu(sample, stamps_in_doubt(sample.t));
-  clock_check_.add_imu(sample);
-  if (estimator_.tracker().running() && sinks_.pose != nullptr) {
-    sinks_.pose(sinks_.context, estimator_.pose());
-  }
+  const ClockVerdict verdict = door_.judge_clocks(frame);
+  if (verdict == ClockVerdict::kRight) return;
+  estimator_.interrupt(door_t_, verdict == ClockVerdict::kImuSet ? "the IMU's clock was set"
+                                                                 : "the cameras' clock was set");
 }
 
 // No more is sensed: mapping finishes what it has.
@@ -76,6 +57,8 @@ void App::end_when_done() {
 }
 
 Step App::door_step() {
+  // Live, each sample is to be told at once, whatever a frame in work takes.
+  if (drive_ == Drive::kTimed && may_go_on_ == nullptr) intake_.drain_imu();
   if (!estimator_.idle()) return estimator_.wait_for_map();
   if (estimator_.mapping_done()) mapping_done_t_ = door_t_;
   if (command_step()) return Step::kAgain;
@@ -83,24 +66,49 @@ Step App::door_step() {
   const bool held = may_go_on_ != nullptr && !may_go_on_(*this);
   if (ending_ || has_command_ || held) return Step::kIdle;
   DoorItem item;
-  const Status status = door_.next(item);
+  Status status = door_.next(item);
+  while (status == Status::kEmpty && intake_.poll()) status = door_.next(item);
   if (status == Status::kStale) ending_ = true;
-  if (status == Status::kTimeout) estimator_.interrupt(door_t_, "the IMU is silent");
   if (status != Status::kOk) return ending_ ? Step::kAgain : Step::kIdle;
-  door_t_ = item.is_frame ? item.frame.t : item.imu.t;
-  if (item.is_frame) {
-    PIRVS_TRACE("door.frame");
-    copy_counters(*scheduler_, task_counters_);
-    frame_present_ = item.frame.images.present;
-    estimator_.begin(item.frame);
-  } else {
-    if (item.broken) {
-      estimator_.interrupt(item.imu.t, "input interrupted");
-      clock_check_.reset();
-    }
-    deliver(item.imu);
-  }
+  take(item);
   return Step::kAgain;
+}
+
+void App::take(const DoorItem& item) {
+  switch (item.kind) {
+    case DoorItemKind::kFrame: {
+      PIRVS_TRACE("door.frame");
+      door_t_ = item.frame.t;
+      copy_counters(*scheduler_, task_counters_);
+      frame_present_ = item.frame.images.present;
+      estimator_.begin(item.frame);
+      break;
+    }
+    case DoorItemKind::kImu:
+      door_t_ = item.imu.t;
+      if (item.broken) estimator_.interrupt(item.imu.t, "input interrupted");
+      estimator_.imu(item.imu, door_.in_doubt(item.imu.t));
+      if (estimator_.tracker().running() && sinks_.pose != nullptr) {
+        sinks_.pose(sinks_.context, estimator_.pose());
+      }
+      break;
+    case DoorItemKind::kCommand:
+      executing_ = item.command;
+      has_command_ = true;
+      break;
+    case DoorItemKind::kEvent:
+      // While the IMU is silent no pose can be given; faults alone are bridged as any gap is.
+      if (item.event == DoorLoss::kImuSilent) {
+        estimator_.interrupt(door_t_, message(item.event));
+      } else {
+        estimator_.tell_health(door_t_, message(item.event));
+      }
+      break;
+    case DoorItemKind::kGnss:
+    case DoorItemKind::kWheel:
+    case DoorItemKind::kEdge:
+      break;  // nobody asks for them yet
+  }
 }
 
 Step App::tracking_step() {

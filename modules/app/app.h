@@ -1,6 +1,6 @@
 // The whole stack as one static object: sensors in by the bsp's contracts, commands by the door,
 // poses out by sinks. Wires door, estimator and recorder, and does nothing else.
-// In      bsp::camera_poll, bsp::imu_poll; a Calibration; parameters; command().
+// In      bsp::camera_poll, imu_poll, tick_poll; a Calibration; parameters; command().
 // Out     AppSinks: every pose at IMU rate, a report per frame, health changes, answers; the map at
 //         the end.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU. Time: the IMU's clock, ns.
@@ -17,8 +17,8 @@
 #include "modules/app/app_params.h"
 #include "modules/app/app_sinks.h"
 #include "modules/app/estimator.h"
+#include "modules/app/intake.h"
 #include "modules/calibration/calibration.h"
-#include "modules/door/clock_check.h"
 #include "modules/door/command.h"
 #include "modules/door/door.h"
 #include "modules/recorder/recorder.h"
@@ -68,6 +68,9 @@ class App {
   // wait.
   Result<uint32_t> command(const Command& command) { return commands_.push(command); }
 
+  // Commands of a recording, each at its turn; between configure() and start().
+  void replay_commands(const CommandSource& source) { replayed_ = source; }
+
   // How long, in sensor time, mapping has had work left; 0: it has none. The door's core.
   TimeNs mapping_backlog() const {
     return estimator_.mapping_done() ? 0 : door_t_ - mapping_done_t_;
@@ -89,9 +92,8 @@ class App {
 
   Step door_step();
   Step tracking_step();
-  void deliver(const ImuSample& sample);
+  void take(const DoorItem& item);
   void end_when_done();
-  bool stamps_in_doubt(TimeNs t) const;
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
@@ -102,11 +104,12 @@ class App {
   Calibration calibration_;
   AppSinks sinks_;
   Door door_;
-  ClockCheck clock_check_;
+  Intake intake_;
   Estimator estimator_;
   Recorder recorder_;
 
   CommandQueue commands_;
+  CommandSource replayed_;
   Command executing_;
   bool has_command_ = false;
   bool ending_ = false;  // no more is taken from the sensors

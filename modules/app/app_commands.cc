@@ -11,9 +11,8 @@ Status App::record() {
     recorder_.finish();
     return status;
   }
-  const auto imu = [](void* r, const ImuSample& sample) { static_cast<Recorder*>(r)->imu(sample); };
-  const auto frame = [](void* r, const StereoFrame& f) { static_cast<Recorder*>(r)->frame(f); };
-  door_.set_tap({&recorder_, imu, frame});
+  const auto arrival = [](void* r, const Arrival& a) { static_cast<Recorder*>(r)->arrival(a); };
+  intake_.set_tap({&recorder_, arrival});
   return Status::kOk;
 }
 
@@ -22,9 +21,11 @@ Status App::start_recorder_core() {
   return bsp::start_core(plan_.cores, entry, &recorder_);
 }
 
-// True: something was done. A command that has to wait for mapping is asked again.
+// True: something was done. A command that has to wait for mapping is asked again. It comes by the
+// door, which nothing passes once the sensors have ended.
 bool App::command_step() {
-  if (!has_command_ && !(has_command_ = commands_.pop(executing_))) return false;
+  if (ending_ && !has_command_) has_command_ = commands_.pop(executing_);
+  if (!has_command_) return false;
   const Status status = execute(executing_);
   if (status == Status::kEmpty) return false;
   has_command_ = false;
@@ -67,7 +68,7 @@ Status App::start_recording() {
 
 Status App::stop_recording() {
   if (!recorder_.started()) return Status::kStale;
-  door_.set_tap({});
+  intake_.set_tap({});
   recorder_.stop();
   return Status::kOk;
 }

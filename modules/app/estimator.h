@@ -32,6 +32,7 @@ class Estimator {
   void imu(const ImuSample& sample, bool stamps_in_doubt);
   // Time does not go on from the item before: nothing can be carried over but the map's frame.
   void interrupt(TimeNs t, const char* why);
+  void tell_health(TimeNs t, const char* what);
   // No frame is in work: the next item may come.
   bool idle() const { return stage_.load(std::memory_order_acquire) == Stage::kIdle; }
   void begin(const DoorFrame& frame);
@@ -64,7 +65,6 @@ class Estimator {
 
   void configure_tracking();
   void report(const FrameResult& result, TimeNs matching_ns);
-  void tell_health(TimeNs t, const char* what);
 
   Calibration calibration_;
   AppParams params_;

@@ -1,255 +1,253 @@
 #include "modules/door/door.h"
 
-#include <cmath>
-#include <iterator>
+#include <new>
+#include <utility>
 
-#include "bsp/api/clock.h"
 #include "modules/imu/imu_sample.h"
 
 namespace pirvs {
-namespace {
 
-constexpr TimeNs kAskImu_ns = 100'000'000;  // a frame interval of slow cameras
-constexpr int kFutureFrames = 3;            // in a row: no accident
-
-}  // namespace
-
-const char* name(DoorLoss loss) {
-  static constexpr const char* kNames[] = {"imu_not_finite",
-                                           "imu_out_of_range",
-                                           "imu_stamp_impossible",
-                                           "imu_saturated",
-                                           "imu_spike",
-                                           "imu_stuck",
-                                           "imu_stamp_ahead",
-                                           "imu_backwards",
-                                           "imu_lost",
-                                           "imu_gap",
-                                           "imu_silent",
-                                           "imu_clock_back",
-                                           "stream_broken",
-                                           "frame_stamp_impossible",
-                                           "frame_backwards",
-                                           "frame_before_imu",
-                                           "frame_without_imu",
-                                           "frame_ahead",
-                                           "camera_missing",
-                                           "camera_late",
-                                           "camera_frozen",
-                                           "camera_wrong_size",
-                                           "camera_silent",
-                                           "camera_gap",
-                                           "camera_clock_set",
-                                           "imu_clock_set"};
-  static_assert(std::size(kNames) == static_cast<size_t>(DoorLoss::kCount));
-  return kNames[static_cast<size_t>(loss)];
-}
-
-void Door::configure(const Calibration& calibration, const DoorParams& params, const DoorTap& tap) {
-  *this = Door{};
+void Door::configure(const Calibration& calibration, const DoorParams& params,
+                     const DoorListener& listener) {
+  // Everything anew, in place, since no stack could hold it.
+  this->~Door();
+  new (this) Door;
   params_ = params;
-  tap_ = tap;
-  offset_ = calibration.camera_time_offset_ns;
-  break_ = from_seconds(static_cast<double>(params.break_s));
+  listener_ = listener;
   bridge_ = from_seconds(static_cast<double>(params.bridge_s));
   frame_wait_ = from_seconds(static_cast<double>(params.frame_wait_s));
-  clock_step_ = from_seconds(static_cast<double>(params.clock_step_s));
+  break_ = from_seconds(static_cast<double>(params.break_s));
+  for (const Sensor sensor : {Sensor::kImu, Sensor::kCamera}) {
+    sensors_[static_cast<int>(sensor)].configure(sensor,
+                                                 from_seconds(static_cast<double>(params.lost_s)));
+  }
   imu_guard_.configure(params);
   image_guard_.configure(calibration.camera, calibration.cameras, params);
+  watch_.configure(calibration, params);
 }
 
-bool Door::Silence::lasts(TimeNs limit) {
-  const TimeNs now = bsp::now();
-  if (since == 0) since = now;
-  return now - since >= limit;
+void Door::push(const Arrival& arrival) {
+  SensorWatch& sensor = sensors_[static_cast<int>(arrival.sensor)];
+  switch (arrival.kind) {
+    case ArrivalKind::kImu:
+      return push_imu(arrival);
+    case ArrivalKind::kFrame:
+      return push_frame(arrival.frame);
+    case ArrivalKind::kGnss:
+    case ArrivalKind::kWheel:
+    case ArrivalKind::kEdge:
+      return aside_.push(arrival, news_.losses);
+    case ArrivalKind::kCommand:
+      PIRVS_ASSERT(!has_command_);
+      command_ = arrival.command;
+      has_command_ = true;
+      return;
+    case ArrivalKind::kTick:
+      return push_tick(arrival.t);
+    case ArrivalKind::kFault:
+      return sensor.fault(arrival.status, last_.t, news_);
+    case ArrivalKind::kLost:
+      return sensor.lose(news_);
+    case ArrivalKind::kBack:
+      return sensor.heard(news_);
+    case ArrivalKind::kEnd:
+      sensor.end();
+      if (arrival.sensor == Sensor::kImu) imu_guard_.finish(news_.losses);
+      return;
+    case ArrivalKind::kCount:
+      break;
+  }
+  PIRVS_ASSERT(!"no such arrival");
 }
 
-bool Door::fetch_imu() {
-  while (!has_ahead_) {
-    has_ahead_ = imu_guard_.get(ahead_);
-    if (has_ahead_ && ahead_.step != 0) suspect(ahead_.step, true);
-    if (has_ahead_ || imu_ended_) return has_ahead_;
-    ImuSample raw;
-    const Status status = bsp::imu_poll(raw);
-    if (status == Status::kStale) {
-      imu_ended_ = true;
-      imu_guard_.finish(losses_);
+void Door::push_imu(const Arrival& arrival) {
+  imu_silence_.end();
+  sensors_[static_cast<int>(Sensor::kImu)].heard(news_);
+  if (arrival.after_loss) news_.losses.add(DoorLoss::kImuLost);
+  if (!wants_imu()) return news_.losses.add(DoorLoss::kImuQueueFull);
+  imu_guard_.put(arrival.imu, news_.losses);
+  GoodSample good;
+  while (imu_guard_.get(good)) {
+    (void)imu_queue_.push(good);  // wants_imu(): there is room
+    if (listener_.fresh != nullptr) listener_.fresh(listener_.context, good.sample, good.broken);
+  }
+}
+
+void Door::push_frame(const StereoFrame& frame) {
+  PIRVS_ASSERT(wants_frame());
+  sensors_[static_cast<int>(Sensor::kCamera)].heard(news_);
+  frame_.images = frame;
+  frame_state_ = FrameState::kHeld;
+  if (!is_stamp(frame.t) || !is_stamp(watch_.to_imu_clock(frame.t))) {
+    return drop_frame(DoorLoss::kFrameStampImpossible);
+  }
+  watch_.frame_came(frame.t, news_.losses);
+  frame_.t = watch_.to_imu_clock(frame.t);
+  camera_silence_.end();
+  cameras_silent_ = false;
+}
+
+void Door::push_tick(TimeNs t) {
+  if (frame_state_ == FrameState::kNone) camera_silence_.tick(t);
+  if (imu_queue_.size() == 0 && !watch_of(Sensor::kImu).ended()) {
+    imu_silence_.tick(t);
+    if (imu_silence_.lasts(bridge_) && imu_silence_.is_news()) news_.tell(DoorLoss::kImuSilent);
+  }
+  for (SensorWatch& sensor : sensors_) sensor.tick(t, news_);
+}
+
+Status Door::next(DoorItem& out) {
+  PIRVS_ASSERT(frame_state_ != FrameState::kLent);
+  if (take_at_once(out) || (has_last_ && aside_.take(last_.t, out))) return Status::kOk;
+  for (;;) {
+    GoodSample* const imu = imu_queue_.front();
+    if (imu != nullptr && imu->step != 0) watch_.imu_stepped(std::exchange(imu->step, 0));
+    DoorLoss why;
+    const Turn turn = decide(imu, why);
+    switch (turn) {
+      case Turn::kWait:
+        return Status::kEmpty;
+      case Turn::kEnd:
+        return aside_.take(INT64_MAX, out) ? Status::kOk : Status::kStale;
+      case Turn::kDropFrame:
+        drop_frame(why);
+        break;
+      case Turn::kFrame:
+        hand_out_frame(out);
+        return Status::kOk;
+      case Turn::kBreak:  // what came before a break goes before it, whatever its stamp
+        if (!aside_.take(INT64_MAX, out)) hand_out_sample(turn, *imu, out);
+        return Status::kOk;
+      case Turn::kSample:
+        if (!aside_.take(imu->sample.t, out)) hand_out_sample(turn, *imu, out);
+        return Status::kOk;
+      case Turn::kSampleAtFrame:
+        if (!aside_.take(frame_.t, out)) hand_out_sample(turn, *imu, out);
+        return Status::kOk;
     }
-    if (status == Status::kFull) losses_.add(DoorLoss::kImuLost);  // this sample is good
-    if (status != Status::kOk && status != Status::kFull) return false;
-    imu_silence_ = Silence{};
-    if (tap_.imu != nullptr) tap_.imu(tap_.context, raw);
-    imu_guard_.put(raw, losses_);
   }
+}
+
+bool Door::take_at_once(DoorItem& out) {
+  FixedVector<DoorLoss, 4>& events = news_.events;
+  if (!events.empty()) {
+    out.kind = DoorItemKind::kEvent;
+    out.event = events[0];
+    for (size_t i = 1; i < events.size(); ++i) events[i - 1] = events[i];
+    events.pop_back();
+    return true;
+  }
+  if (!has_command_) return false;
+  has_command_ = false;
+  out.kind = DoorItemKind::kCommand;
+  out.command = command_;
   return true;
 }
 
-bool Door::fetch_frame() {
-  if (has_frame_) return true;
-  while (!has_frame_) {
-    if (frames_ended_) return false;
-    const Status status = bsp::camera_poll(frame_.images);
-    if (status == Status::kStale) frames_ended_ = true;
-    if (status != Status::kOk) return false;
-    if (tap_.frame != nullptr) tap_.frame(tap_.context, frame_.images);
-    has_frame_ = true;
-    const TimeNs raw = frame_.images.t;
-    if (!is_stamp(raw) || !is_stamp(raw + offset_)) drop_frame(DoorLoss::kFrameStampImpossible);
+Door::Turn Door::decide(const GoodSample* imu, DoorLoss& why) {
+  const bool frame = frame_state_ == FrameState::kHeld;
+  if (frame && has_last_ && frame_.t == last_.t && frame_.t > last_frame_t_) return Turn::kFrame;
+  if (imu != nullptr && imu->broken) {
+    // A frame of the time before a clock was set back; others may wait for the samples to come.
+    const bool back = has_last_ && imu->sample.t < last_.t;
+    why = DoorLoss::kFrameAhead;
+    const bool of_before = back && frame && frame_.t - imu->sample.t > break_;
+    return of_before ? Turn::kDropFrame : Turn::kBreak;
   }
-  note_frame_step(frame_.images.t);
-  frame_.t = frame_.images.t + offset_;
-  camera_silence_ = Silence{};
-  return true;
-}
-
-void Door::note_frame_step(TimeNs raw) {
-  const bool first = raw_frame_t_ == INT64_MIN;
-  const TimeNs step = first ? 0 : raw - raw_frame_t_;
-  raw_frame_t_ = raw;
-  if (frame_period_ > 0 && (step < -clock_step_ || step - frame_period_ > clock_step_)) {
-    if (step > 0) losses_.add(DoorLoss::kCameraGap);
-    suspect(frame_period_ - step, false);
+  if (frame && is_late(imu, why)) {
+    const bool wait = imu != nullptr && has_last_ && watch_.must_wait_for_imu(frame_.t, last_.t);
+    return wait ? Turn::kSample : Turn::kDropFrame;
   }
-  // From above towards the true one, whatever is lost.
-  if (frame_period_ == 0) frame_period_ = step > 0 && step < clock_step_ ? step : 0;
-  const bool near = step > 0 && step < frame_period_ + frame_period_ / 2;
-  if (near) frame_period_ += (step - frame_period_) / 8;
+  if (imu == nullptr) return decide_without_imu(why);
+  if (!frame) return imu_may_pass() ? Turn::kSample : Turn::kWait;
+  return imu->sample.t > frame_.t && has_last_ ? Turn::kSampleAtFrame : Turn::kSample;
 }
 
-// When both clocks are set together, the second step takes back the first one's doubt; so does a
-// stamp that is right again.
-void Door::suspect(TimeNs shift, bool is_imus) {
-  const bool opposite = (shift < 0) != (doubt_.shift < 0);
-  if (doubt_.shift != 0 && opposite) shift += doubt_.shift;
-  doubt_ = ClockDoubt{};
-  const bool small = shift >= -clock_step_ && shift <= clock_step_;
-  if (small || !is_stamp(shift) || !is_stamp(offset_ + shift)) return;
-  doubt_.shift = shift;
-  doubt_.is_imus = is_imus;
-}
-
-void Door::clock_was_set() {
-  losses_.add(doubt_.is_imus ? DoorLoss::kImuClockSet : DoorLoss::kCameraClockSet);
-  offset_ += doubt_.shift;
-  frame_.t = frame_.images.t + offset_;
-  last_frame_t_ = INT64_MIN;
-  far_back_since_ = 0;
-  doubt_ = ClockDoubt{};
-}
-
-void Door::drop_frame(DoorLoss why) {
-  losses_.add(why);
-  release();
+Door::Turn Door::decide_without_imu(DoorLoss& why) {
+  const bool frame = frame_state_ == FrameState::kHeld;
+  if (watch_of(Sensor::kImu).ended()) {
+    why = DoorLoss::kFrameWithoutImu;
+    if (frame) return Turn::kDropFrame;
+    return watch_of(Sensor::kCamera).ended() ? Turn::kEnd : Turn::kWait;
+  }
+  if (!frame || !has_last_) return Turn::kWait;
+  why = DoorLoss::kFrameAhead;
+  switch (watch_.frame_ahead(frame_.t, last_.t)) {
+    case ClockWatch::Ahead::kPossible:
+      break;
+    case ClockWatch::Ahead::kImpossible:
+      return Turn::kDropFrame;
+    case ClockWatch::Ahead::kClockSet:
+      clock_was_set();
+  }
+  return Turn::kWait;
 }
 
 // A frame that comes too late to be used, seen from what has been handed out.
-bool Door::is_late(const DoorFrame& frame, DoorLoss& why) const {
-  if (frame.t <= last_frame_t_) {
+bool Door::is_late(const GoodSample* imu, DoorLoss& why) const {
+  if (frame_.t <= last_frame_t_) {
     why = DoorLoss::kFrameBackwards;
     return true;
   }
   why = DoorLoss::kFrameBeforeImu;
-  return has_last_ ? frame.t < last_.t : has_ahead_ && frame.t < ahead_.sample.t;
+  return has_last_ ? frame_.t < last_.t : imu != nullptr && frame_.t < imu->sample.t;
 }
 
-// Nobody has seen a frame for a while: dead reckoning must go on.
-bool Door::imu_may_pass_silent_cameras() {
-  if (frames_ended_) return true;
-  if (!camera_silence_.lasts(frame_wait_)) return false;
-  if (camera_silence_.is_news()) losses_.add(DoorLoss::kCameraSilent);
+// Without a frame in sight a sample must wait, or the frame's own sample could not be made; but
+// dead reckoning must go on when nobody has seen a frame for a while.
+bool Door::imu_may_pass() {
+  if (cameras_silent_ || watch_of(Sensor::kCamera).ended()) return true;
+  if (!camera_silence_.lasts(frame_wait_) && wants_imu()) return false;
+  if (camera_silence_.is_news()) news_.losses.add(DoorLoss::kCameraSilent);
+  cameras_silent_ = camera_silence_.lasts(frame_wait_);
   return true;
 }
 
-void Door::hand_out(DoorItem& out, const ImuSample& sample, bool broken) {
-  out.is_frame = false;
-  out.broken = broken;
-  out.imu = sample;
-  last_ = sample;
-  has_last_ = true;
+void Door::hand_out_frame(DoorItem& out) {
+  image_guard_.check(frame_.images, news_.losses);
+  out.kind = DoorItemKind::kFrame;
+  out.frame = frame_;
+  frame_state_ = FrameState::kLent;
+  last_frame_t_ = frame_.t;
+  watch_.frame_handed_out(frame_.t);
 }
 
-// A frame from far back, as when somebody has set the clock: before it and those like it are
-// dropped, the IMU's next samples must say whether its stamps have gone back, too.
-bool Door::may_be_of_another_time() {
-  if (!has_last_ || last_.t - frame_.t <= break_) return false;
-  if (far_back_since_ == 0) far_back_since_ = last_.t;
-  return last_.t - far_back_since_ < kAskImu_ns;
-}
-
-// Live, the newest sample is now: a frame cannot be long after it. Several that are, and would not
-// be if the cameras' clock had been set, say that it has.
-bool Door::is_from_the_future() {
-  const TimeNs ahead = has_last_ ? frame_.t - last_.t : 0;
-  if (ahead <= break_) return false;
-  if (++future_frames_ < kFutureFrames || doubt_.shift >= 0) return true;
-  if (ahead > clock_step_ - doubt_.shift) return true;
-  clock_was_set();
-  return false;
-}
-
-void Door::hand_out_ahead(DoorItem& out) {
-  has_ahead_ = false;
-  hand_out(out, ahead_.sample, ahead_.broken);
-}
-
-Status Door::next(DoorItem& out) {
-  for (;;) {
-    const bool imu = fetch_imu();
-    const bool frame = fetch_frame();
-    if (frame && has_last_ && frame_.t == last_.t && frame_.t > last_frame_t_) {
-      image_guard_.check(frame_.images, losses_);
-      out.is_frame = true;
-      out.broken = false;
-      out.frame = frame_;
-      last_frame_t_ = frame_.t;
-      far_back_since_ = 0;
-      future_frames_ = 0;
-      if (doubt_.shift != 0 && doubt_.since == 0) doubt_.since = frame_.t;
-      return Status::kOk;
-    }
-    if (imu && ahead_.broken) {  // what was before has nothing to say about what comes
-      last_frame_t_ = INT64_MIN;
-      far_back_since_ = 0;
-      const bool back = ahead_.sample.t < last_.t;
-      if (back && frame && frame_.t - ahead_.sample.t > break_) drop_frame(DoorLoss::kFrameAhead);
-      hand_out_ahead(out);
-      return Status::kOk;
-    }
-    DoorLoss why;
-    if (frame && is_late(frame_, why)) {
-      if (imu && may_be_of_another_time()) {
-        hand_out_ahead(out);
-        return Status::kOk;
-      }
-      drop_frame(why);
-      continue;
-    }
-    if (!imu) {
-      if (!imu_ended_) {
-        if (imu_silence_.lasts(bridge_) && imu_silence_.is_news()) {
-          losses_.add(DoorLoss::kImuSilent);
-          return Status::kTimeout;
-        }
-        if (!(frame && is_from_the_future())) return Status::kEmpty;
-      }
-      if (frame) {
-        drop_frame(imu_ended_ ? DoorLoss::kFrameWithoutImu : DoorLoss::kFrameAhead);
-        continue;
-      }
-      return frames_ended_ ? Status::kStale : Status::kEmpty;
-    }
-    // Without a frame in sight the IMU must wait, or the frame's own sample could not be made.
-    if (!frame && !imu_may_pass_silent_cameras()) return Status::kEmpty;
-    const bool cut = frame && ahead_.sample.t > frame_.t && has_last_;
-    has_ahead_ = cut;
-    hand_out(out, cut ? interpolated(last_, ahead_.sample, frame_.t) : ahead_.sample, false);
-    return Status::kOk;
+void Door::hand_out_sample(Turn turn, const GoodSample& next, DoorItem& out) {
+  const bool cut = turn == Turn::kSampleAtFrame;
+  out.kind = DoorItemKind::kImu;
+  out.imu = cut ? interpolated(last_, next.sample, frame_.t) : next.sample;
+  out.broken = turn == Turn::kBreak;
+  if (out.broken) {  // what was before has nothing to say about what comes
+    last_frame_t_ = INT64_MIN;
+    watch_.restart();
   }
+  last_ = out.imu;
+  has_last_ = true;
+  watch_.handed_out(last_);
+  if (!cut) imu_queue_.pop();
+}
+
+void Door::drop_frame(DoorLoss why) {
+  news_.losses.add(why);
+  release();
 }
 
 void Door::release() {
-  bsp::camera_release();
-  has_frame_ = false;
+  PIRVS_ASSERT(frame_state_ != FrameState::kNone);
+  frame_state_ = FrameState::kNone;
+  if (listener_.release != nullptr) listener_.release(listener_.context, frame_.images);
+}
+
+ClockVerdict Door::judge_clocks(const ClockCheck::Frame& frame) {
+  const ClockVerdict verdict = watch_.judge(frame);
+  if (verdict != ClockVerdict::kRight) clock_was_set();
+  return verdict;
+}
+
+void Door::clock_was_set() {
+  watch_.accept_step(news_.losses);
+  frame_.t = watch_.to_imu_clock(frame_.images.t);
+  last_frame_t_ = INT64_MIN;
 }
 
 }  // namespace pirvs

@@ -1,111 +1,111 @@
 // The sensor door: one stream, ordered by sensor time, on the IMU's clock, of what the sensors can
-// have sensed.
-// In      bsp::imu_poll and bsp::camera_poll, each in its own order.
+// have sensed. A pure state machine: the items depend on the sequence of arrivals alone.
+// In      push(): arrivals. An IMU sample may be pushed at any time; anything else only after
+//         next() has said kEmpty, a frame only while wants_frame().
 // Out     next(): IMU samples, then a frame once a sample exactly at its time has been handed out
-//         (interpolated when the IMU has none there). A frame may lack one image or both. broken:
-//         time does not go on from the item before; whoever integrates must start anew.
+//         (interpolated when the IMU has none there). A frame may lack one image or both. GNSS
+//         fixes, wheel samples and edges come before the first sample that is later, commands and
+//         events at once. broken: time does not go on from the item before; whoever integrates
+//         must start anew.
+//         DoorListener::fresh: each good IMU sample at once, before it waits for a frame.
 // Units   ns, rad/s, m/s^2.
-// Errors  kEmpty: nothing now. kTimeout, once each time: the IMU has said nothing for bridge_s.
-//         kStale: the sensors have ended. Bad input is dropped and counted: docs/faults.md.
-//         Cameras that stay silent delay the IMU by frame_wait_s at most.
-// Cost    ~6 us a stereo frame, for its checksums. Source: docs/architecture.md.
+// Errors  kEmpty: nothing until more arrives. kStale: the sensors have ended. Bad input is dropped
+//         and counted, faults of a driver are counted: docs/faults.md. Cameras that stay silent
+//         delay the IMU by frame_wait_s of ticks, or by kImuQueue samples, at most.
+// Cost    ~6 us a stereo frame, for its checksums.
+//         Calls belong to one core, but for this: while a frame is lent, push() of IMU samples may
+//         go on there while another core calls in_doubt(), judge_clocks() and, last, release().
+// Source  docs/architecture.md.
 #pragma once
 
-#include <utility>
-
-#include "bsp/api/camera.h"
-#include "bsp/api/imu.h"
+#include "core/store/ring.h"
 #include "modules/calibration/calibration.h"
-#include "modules/door/door_loss.h"
+#include "modules/door/arrival.h"
+#include "modules/door/aside_queue.h"
+#include "modules/door/clock_watch.h"
+#include "modules/door/door_item.h"
 #include "modules/door/door_params.h"
 #include "modules/door/image_guard.h"
 #include "modules/door/imu_guard.h"
+#include "modules/door/sensor_watch.h"
+#include "modules/door/silence.h"
 
 namespace pirvs {
 
-struct DoorFrame {
-  TimeNs t = 0;  // on the IMU's clock
-  StereoFrame images;
-};
-
-// Stamps of one sensor that stepped by more than its period: items were lost, or its clock was set.
-struct ClockDoubt {
-  TimeNs shift = 0;  // if it was, frames stamped t belong to t + shift; 0: there is no doubt
-  TimeNs since = 0;  // the first frame in doubt
-  bool is_imus = false;
-};
-
-struct DoorItem {
-  bool is_frame = false;
-  bool broken = false;
-  ImuSample imu;
-  DoorFrame frame;
-};
-
-// Sees everything that comes in, before any of it is judged.
-struct DoorTap {
+struct DoorListener {
   void* context = nullptr;
-  void (*imu)(void*, const ImuSample&) = nullptr;
-  void (*frame)(void*, const StereoFrame&) = nullptr;  // its images are valid during the call
+  // From push(). broken: time does not go on from the sample before.
+  void (*fresh)(void*, const ImuSample&, bool broken) = nullptr;
+  // The frame is needed no longer: dropped, or release() was called.
+  void (*release)(void*, const StereoFrame&) = nullptr;
 };
 
 class Door {
  public:
-  void configure(const Calibration& calibration, const DoorParams& params, const DoorTap& tap = {});
-  void set_tap(const DoorTap& tap) { tap_ = tap; }
-  // A frame handed out stays valid until release().
-  Status next(DoorItem& out);
-  void release();
-  const DoorLosses& losses() const { return losses_; }
+  // Good samples that may wait, at 1 kHz.
+  static constexpr size_t kImuQueue = 150    // for a frame: frame_wait_s
+                                      + 250  // while a step of tracking, on one core mapping, runs
+                                      + 100  // between two frames of slow cameras
+                                      + 2;   // released by the IMU guard in one push
+  void configure(const Calibration& calibration, const DoorParams& params,
+                 const DoorListener& listener = {});
 
-  // Who can see the world decides: it was set (frames go on at the right time), or it was not.
-  const ClockDoubt& doubt() const { return doubt_; }
+  void push(const Arrival& arrival);
+  bool wants_imu() const { return imu_queue_.size() + 2 <= kImuQueue; }
+  bool wants_frame() const { return frame_state_ == FrameState::kNone; }
+  size_t samples_waiting() const { return imu_queue_.size(); }
+  bool is_lost(Sensor sensor) const { return watch_of(sensor).lost(); }
+
+  Status next(DoorItem& out);
+  // The frame that was handed out is valid until release(); no other call of next() before.
+  void release();
+
+  const DoorLosses& losses() const { return news_.losses; }
+  // Of stamps at t: nothing sensed then may get into the map.
+  bool in_doubt(TimeNs t) const { return watch_.in_doubt(t); }
+  // With each frame's tracks, after they were followed to it.
+  ClockVerdict judge_clocks(const ClockCheck::Frame& frame);
+  ClockWatch& watch() { return watch_; }
+  // A clock was set, as judge_clocks() finds out.
   void clock_was_set();
-  void clocks_are_right() { doubt_ = ClockDoubt{}; }
 
  private:
-  // A live sensor that gives nothing, by the machine's clock.
-  struct Silence {
-    TimeNs since = 0;  // 0: the sensor is heard
-    bool told = false;
+  enum class FrameState : uint8_t { kNone, kHeld, kLent };
+  enum class Turn : uint8_t { kWait, kEnd, kDropFrame, kFrame, kBreak, kSample, kSampleAtFrame };
 
-    bool lasts(TimeNs limit);  // asked whenever there was nothing
-    bool is_news() { return !std::exchange(told, true); }
-  };
+  const SensorWatch& watch_of(Sensor sensor) const { return sensors_[static_cast<int>(sensor)]; }
+  void push_imu(const Arrival& arrival);
+  void push_frame(const StereoFrame& frame);
+  void push_tick(TimeNs t);
 
-  bool fetch_imu();
-  bool fetch_frame();
-  bool is_late(const DoorFrame& frame, DoorLoss& why) const;
+  bool take_at_once(DoorItem& out);
+  Turn decide(const GoodSample* imu, DoorLoss& why);
+  Turn decide_without_imu(DoorLoss& why);
+  bool is_late(const GoodSample* imu, DoorLoss& why) const;
+  bool imu_may_pass();
+  void hand_out_frame(DoorItem& out);
+  void hand_out_sample(Turn turn, const GoodSample& next, DoorItem& out);
   void drop_frame(DoorLoss why);
-  bool imu_may_pass_silent_cameras();
-  bool may_be_of_another_time();
-  void note_frame_step(TimeNs raw);
-  void suspect(TimeNs shift, bool is_imus);
-  bool is_from_the_future();
-  void hand_out_ahead(DoorItem& out);
-  void hand_out(DoorItem& out, const ImuSample& sample, bool broken);
 
   DoorParams params_;
-  DoorTap tap_;
-  TimeNs offset_ = 0, break_ = 0, bridge_ = 0, frame_wait_ = 0;
+  DoorListener listener_;
+  TimeNs bridge_ = 0, frame_wait_ = 0, break_ = 0;
   ImuGuard imu_guard_;
   ImageGuard image_guard_;
+  ClockWatch watch_;
+  Ring<GoodSample, kImuQueue> imu_queue_;
   ImuSample last_;  // handed out
   bool has_last_ = false;
-  GoodSample ahead_;  // fetched, not handed out
-  bool has_ahead_ = false;
   DoorFrame frame_;
-  bool has_frame_ = false;
+  FrameState frame_state_ = FrameState::kNone;
   TimeNs last_frame_t_ = INT64_MIN;
-  TimeNs far_back_since_ =
-      0;  // sensor time when frames began to come from far back; 0: they do not
-  ClockDoubt doubt_;
-  TimeNs clock_step_ = 0;
-  TimeNs raw_frame_t_ = INT64_MIN, frame_period_ = 0;
-  int future_frames_ = 0;  // in a row
-  bool imu_ended_ = false, frames_ended_ = false;
+  SensorWatch sensors_[static_cast<int>(Sensor::kCount)];
   Silence imu_silence_, camera_silence_;
-  DoorLosses losses_;
+  bool cameras_silent_ = false;
+  AsideQueue aside_;
+  DoorNews news_;
+  Command command_;
+  bool has_command_ = false;
 };
 
 }  // namespace pirvs

@@ -35,9 +35,24 @@ enum class DoorLoss : uint8_t {
   kCameraGap,
   kCameraClockSet,
   kImuClockSet,
+  kImuQueueFull,
+  kAsideStampImpossible,
+  kAsideFull,
+  kImuBusFault,
+  kImuTimeout,
+  kImuBadData,
+  kImuLostDevice,
+  kImuBack,
+  kCameraBusFault,
+  kCameraTimeout,
+  kCameraBadData,
+  kCameraLostDevice,
+  kCameraBack,
   kCount
 };
 const char* name(DoorLoss loss);
+// What health tells of it: a sentence for people.
+const char* message(DoorLoss loss);
 
 using DoorLosses = CounterArray<DoorLoss>;
 

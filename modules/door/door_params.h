@@ -20,6 +20,7 @@ struct DoorParams {
   float clock_step_s = 0.15f;
   float pair_s = 0.001f;
   float frame_wait_s = 0.15f;
+  float lost_s = 0.5f;
 };
 
 inline constexpr ParamRow<DoorParams> kDoorRows[] = {
@@ -52,6 +53,8 @@ inline constexpr ParamRow<DoorParams> kDoorRows[] = {
      "out as late"},
     {"frame_wait_s", &DoorParams::frame_wait_s, 0.01f, 10, "s", Audience::kExpert,
      "timeout of the cameras: after it IMU samples no longer wait for a frame"},
+    {"lost_s", &DoorParams::lost_s, 0.01f, 10, "s", Audience::kExpert,
+     "a sensor whose driver has reported nothing but faults for this long is lost"},
 };
 static_assert(sizeof(DoorParams) == std::size(kDoorRows) * sizeof(float));
 static_assert(in_range(DoorParams{}, kDoorRows));

@@ -14,13 +14,13 @@ constexpr const char* kCameraYaml[] = {"mav0/cam0/sensor.yaml", "mav0/cam1/senso
 constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
 static_assert(std::size(kCameraTable) == kCamerasMax);
 
-constexpr size_t kRow = 8 * TextWriter::kNumber;  // the longest row of a table
+constexpr size_t kRow = 12 * TextWriter::kNumber;  // the longest row: a command and its text
 
 }  // namespace
 
 const char* name(RecordLoss loss) {
   static constexpr const char* kNames[] = {"record_imu_dropped", "record_frame_dropped",
-                                           "record_not_written"};
+                                           "record_order_dropped", "record_not_written"};
   static_assert(std::size(kNames) == static_cast<size_t>(RecordLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }
@@ -45,6 +45,7 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
   PIRVS_TRY(open(imu_, "mav0/imu0/data.csv",
                  "#timestamp [ns],w_x [rad/s],w_y [rad/s],w_z [rad/s],f_x [m/s^2],f_y [m/s^2],"
                  "f_z [m/s^2]\n"));
+  PIRVS_TRY(open(order_, "mav0/order.csv", kOrderHeading));
   started_ = true;
   return Status::kOk;
 }
@@ -86,15 +87,38 @@ Status Recorder::write_imu_yaml(const ImuNoise& noise) {
   return write_text("mav0/imu0/sensor.yaml", text);
 }
 
-void Recorder::imu(const ImuSample& sample) {
-  if (!imu_ring_.push(sample)) losses_.add(RecordLoss::kImuDropped);
+// A row that cannot be kept leaves its item out, too: the rows that follow must find theirs.
+void Recorder::arrival(const Arrival& arrival) {
+  OrderRow* const row = order_ring_.begin_push();
+  if (row == nullptr) return losses_.add(RecordLoss::kOrderDropped);
+  *row = order_row_of(arrival);
+  if (arrival.kind == ArrivalKind::kImu && !imu(arrival.imu)) return;
+  if (arrival.kind == ArrivalKind::kFrame) {
+    const Frame* const kept = frame(arrival.frame);
+    if (kept == nullptr) return;
+    row->present = kept->present;
+  }
+  order_ring_.end_push();
 }
 
-void Recorder::frame(const StereoFrame& in) {
+void Recorder::decision(uint32_t map) {
+  OrderRow row;
+  row.kind = OrderKind::kMap;
+  row.t = map;
+  if (!order_ring_.push(row)) losses_.add(RecordLoss::kOrderDropped);
+}
+
+bool Recorder::imu(const ImuSample& sample) {
+  const bool kept = imu_ring_.push(sample);
+  if (!kept) losses_.add(RecordLoss::kImuDropped);
+  return kept;
+}
+
+const Recorder::Frame* Recorder::frame(const StereoFrame& in) {
   Frame* const out = frame_ring_.begin_push();
   if (out == nullptr) {
     losses_.add(RecordLoss::kFrameDropped);
-    return;
+    return nullptr;
   }
   out->present = 0;
   for (int c = 0; c < kCamerasMax; ++c) {
@@ -112,10 +136,12 @@ void Recorder::frame(const StereoFrame& in) {
     }
   }
   frame_ring_.end_push();
+  return out;  // stays as it is until this core pushes kFrameRing more
 }
 
 bool Recorder::has_room() const {
-  return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFrameRing;
+  return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFrameRing &&
+         order_ring_.size() + 2 * kImuRoom <= kOrderRing;
 }
 
 // The first error is the last thing that is tried.
@@ -144,6 +170,12 @@ Status Recorder::write_sample(const ImuSample& sample) {
   for (int i = 0; i < 3; ++i) imu_.block.put(",").exact(sample.f_B[i]);
   imu_.block.put("\n");
   return write_row(imu_);
+}
+
+Status Recorder::write_order(const OrderRow& row) {
+  if (failed_) return Status::kFull;
+  put(order_.block, row);
+  return write_row(order_);
 }
 
 Status Recorder::write_image(const Frame& frame, int c, const char* name) {
@@ -181,6 +213,11 @@ Step Recorder::step() {
     imu_ring_.pop();
     worked = true;
   }
+  for (OrderRow* row = order_ring_.front(); row != nullptr; row = order_ring_.front()) {
+    check(write_order(*row));
+    order_ring_.pop();
+    worked = true;
+  }
   Frame* const frame = frame_ring_.front();
   if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
   for (int c = 0; c < kCamerasMax; ++c) {
@@ -202,7 +239,7 @@ void Recorder::run(void (*relax)()) {
 }
 
 void Recorder::finish() {
-  for (Table* table : {&imu_, &camera_[0], &camera_[1]}) {
+  for (Table* table : {&imu_, &order_, &camera_[0], &camera_[1]}) {
     if (!table->open) continue;
     if (!failed_) check(bsp::storage_write(table->file, table->block.c_str(), table->block.size()));
     const Status closed = bsp::storage_close(table->file);

@@ -1,9 +1,10 @@
 // Writes everything that comes to the sensor door as an ASL folder, beside the estimator and never
 // in its way: raw, before any of it is judged, so that a run can be had again.
-// In      imu(), frame(): from the door's core, in the order of arrival. step(): from a core that
-//         has time, at best its own.
+// In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in work
+//         used that arrivals do not say. step(): from a core that has time, at best its own.
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
-//         An image is listed once it is complete. Numbers read back to the bit.
+//         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a
+//         row for each arrival in its order, so that a replay can follow it (order_row.h).
 // Frames  as the sensors have them. Units: ns, rad/s, m/s^2, grey values.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
@@ -22,11 +23,13 @@
 #include "core/camera/camera.h"
 #include "core/sched/scheduler.h"
 #include "core/store/ring.h"
+#include "modules/door/arrival.h"
 #include "modules/imu/imu_noise.h"
+#include "modules/recorder/order_row.h"
 
 namespace pirvs {
 
-enum class RecordLoss : uint8_t { kImuDropped, kFrameDropped, kNotWritten, kCount };
+enum class RecordLoss : uint8_t { kImuDropped, kFrameDropped, kOrderDropped, kNotWritten, kCount };
 const char* name(RecordLoss loss);
 
 class Recorder {
@@ -36,8 +39,9 @@ class Recorder {
                TimeNs camera_time_offset_ns);
   bool started() const { return started_; }
 
-  void imu(const ImuSample& sample);
-  void frame(const StereoFrame& frame);
+  void arrival(const Arrival& arrival);
+  // The frame in work uses mapping's result of this keyframe.
+  void decision(uint32_t map);
   // Room for what the door may ask of the sensors in one step; a replay can wait for it.
   bool has_room() const;
 
@@ -68,6 +72,9 @@ class Recorder {
   static constexpr size_t kImuRing = 1024;  // 5 s at 200 Hz
   static constexpr size_t kImuRoom = 256;   // a step of the door takes fewer
   static constexpr size_t kFrameRing = 6;   // 0.3 s at 20 Hz: a disk's usual stall
+  static constexpr size_t kOrderRing = kImuRing + kFrameRing  // all that waits beside it
+                                       + 512                  // ticks of 5 s
+                                       + 512;                 // faults, decisions
 
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
@@ -77,11 +84,16 @@ class Recorder {
   Status write_row(Table& table);
   Status write_sample(const ImuSample& sample);
   Status write_camera(const Frame& frame, int c);
+  Status write_order(const OrderRow& row);
+  bool imu(const ImuSample& sample);
+  // What was taken of it; nullptr: nothing.
+  const Frame* frame(const StereoFrame& frame);
   void check(Status status);
 
   Ring<ImuSample, kImuRing> imu_ring_;
   Ring<Frame, kFrameRing> frame_ring_;
-  Table imu_, camera_[kCamerasMax];
+  Ring<OrderRow, kOrderRing> order_ring_;
+  Table imu_, order_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
   bool failed_ = false;

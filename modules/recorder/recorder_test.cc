@@ -61,12 +61,12 @@ class recorder : public testing::Test {
 
 TEST_F(recorder, writes_what_it_is_given) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 4'000'000), Status::kOk);
-  recorder_->imu({5, Vec3(0.1, -1, 0), Vec3(0, 0, 9.81)});
-  recorder_->frame(frame(7));
-  recorder_->frame(frame(9, 1));
+  recorder_->arrival(arrival_of(ImuSample{5, Vec3(0.1, -1, 0), Vec3(0, 0, 9.81)}));
+  recorder_->arrival(arrival_of(frame(7)));
+  recorder_->arrival(arrival_of(frame(9, 1)));
   StereoFrame late = frame(11, 3);
   late.late[1] = 4;
-  recorder_->frame(late);
+  recorder_->arrival(arrival_of(late));
   write_all();
   EXPECT_EQ(content("cam0/data/7.pgm"), "P5\n4 2\n255\nabcdefgh");
   EXPECT_EQ(content("cam0/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n9,9.pgm\n11,11.pgm\n");
@@ -81,9 +81,11 @@ TEST_F(recorder, writes_what_it_is_given) {
 TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
   EXPECT_TRUE(recorder_->has_room());
-  for (TimeNs t = 1; t <= 10; ++t) recorder_->frame(frame(t));
+  for (TimeNs t = 1; t <= 10; ++t) recorder_->arrival(arrival_of(frame(t)));
   EXPECT_FALSE(recorder_->has_room());
-  for (TimeNs t = 1; t <= 1500; ++t) recorder_->imu({t, Vec3::Zero(), Vec3::Zero()});
+  for (TimeNs t = 1; t <= 1500; ++t) {
+    recorder_->arrival(arrival_of(ImuSample{t, Vec3::Zero(), Vec3::Zero()}));
+  }
   write_all();
   EXPECT_EQ(recorder_->losses()[RecordLoss::kFrameDropped], 10u - recorder_->frames_written());
   EXPECT_EQ(recorder_->frames_written(), 6u);
@@ -103,8 +105,8 @@ TEST_F(recorder, what_cannot_be_written_later_is_counted) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
   fs::create_directories(path_ + "/mav0/cam0");
   std::ofstream(path_ + "/mav0/cam0/data") << "in the way";
-  recorder_->frame(frame(1));
-  recorder_->frame(frame(2));
+  recorder_->arrival(arrival_of(frame(1)));
+  recorder_->arrival(arrival_of(frame(2)));
   testing::internal::CaptureStderr();
   write_all();
   EXPECT_NE(testing::internal::GetCapturedStderr().find("the run goes on"), std::string::npos);

@@ -14,6 +14,7 @@
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
 #include "core/base/assert.h"
+#include "modules/app/intake.h"
 #include "modules/calibration/calibration_check.h"
 #include "modules/door/door.h"
 #include "tools/dataset/calibration_file.h"
@@ -172,22 +173,32 @@ void play_through_the_door(bsp::Pack& pack) {
   expect_usable(calibration);
   calibration.camera_time_offset_ns = pack.header().camera_time_offset_ns % 1'000'000'000;
   const auto door = std::make_unique<Door>();
-  door->configure(calibration, DoorParams{});
+  DoorListener listener;
+  listener.release = Intake::release;
+  door->configure(calibration, DoorParams{}, listener);
+  Intake intake;
+  intake.configure(door.get());
   bsp::replay_start(pack.source(), bsp::ReplayPace::kFast);
   DoorItem item, before;
   bool first = true;
   uint64_t pixels = 0;
-  for (Status status; (status = door->next(item)) != Status::kStale; first = false) {
+  const auto next = [&] {
+    for (;;) {
+      const Status status = door->next(item);
+      if (status != Status::kEmpty || !intake.poll()) return status;
+    }
+  };
+  for (Status status; (status = next()) != Status::kStale; first = false) {
     PIRVS_ASSERT(status == Status::kOk);
-    if (item.is_frame) {
-      PIRVS_ASSERT(!first && !before.is_frame && item.frame.t == before.imu.t);
+    if (item.is_frame()) {
+      PIRVS_ASSERT(!first && !before.is_frame() && item.frame.t == before.imu.t);
       for (const ImageView& image : item.frame.images.image) {
         for (int y = 0; y < image.height; ++y) pixels += image.row(y)[image.width - 1];
       }
       door->release();
     } else {
       PIRVS_ASSERT(item.imu.w_B.allFinite() && item.imu.f_B.allFinite());
-      const TimeNs t_before = before.is_frame ? before.frame.t : before.imu.t;
+      const TimeNs t_before = before.is_frame() ? before.frame.t : before.imu.t;
       PIRVS_ASSERT(first || item.broken || item.imu.t > t_before);
     }
     before = item;

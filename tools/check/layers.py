@@ -30,7 +30,7 @@ MODULES = {
     "tracking": ["state", "imu", "frontend", "map", "matching", "standstill", "health"],
     "mapping": ["state", "imu", "map", "matching"],
     "door": ["calibration", "imu", "frontend"],
-    "recorder": ["calibration", "imu"],
+    "recorder": ["calibration", "imu", "door"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder")

@@ -7,6 +7,7 @@
 #include "modules/calibration/calibration_check.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/order_file.h"
 #include "tools/dataset/pack_file.h"
 #include "tools/dataset/text_table.h"
 
@@ -29,7 +30,8 @@ void count(std::vector<Count>& counts, const char* name, size_t value = 1) {
 }
 
 std::vector<ListedImage> read_images(const std::string& camera_folder, Recording& recording) {
-  auto images = read_image_list(camera_folder + "/data.csv", recording.rejected);
+  const Rows rows = recording.order.empty() ? Rows::kInOrderOfTime : Rows::kAsRecorded;
+  auto images = read_image_list(camera_folder + "/data.csv", recording.rejected, rows);
   for (ListedImage& image : images) image.file.insert(0, camera_folder + "/data/");
   return images;
 }
@@ -54,6 +56,31 @@ void read_frames(const std::string& mav0, Recording& recording) {
       count(recording.rejected, "frames_without_right");
     recording.frames.push_back(frame);
   }
+}
+
+// Each frame's images are the next ones of the cameras that it says are present. What the tables
+// do not hold any more, as after a power cut, has not come.
+void read_frames_in_order(const std::string& mav0, Recording& recording) {
+  std::vector<ListedImage> images[2];
+  for (int c = 0; c < recording.calibration.cameras; ++c) {
+    images[c] = read_images(mav0 + "/cam" + std::to_string(c), recording);
+  }
+  size_t image_at[2] = {0, 0}, imu = 0, row = 0;
+  for (bool whole = true; row < recording.order.size(); ++row) {
+    const OrderRow& order = recording.order[row];
+    if (order.kind == OrderKind::kImu) whole = imu++ < recording.imu.size();
+    FrameFiles frame;
+    for (int c = 0; order.kind == OrderKind::kFrame && c < recording.calibration.cameras; ++c) {
+      frame.late[c] = order.late[c];
+      if ((order.present >> c & 1) == 0) continue;
+      whole = whole && image_at[c] < images[c].size();
+      if (whole) frame.image[c] = images[c][image_at[c]++].file;
+    }
+    if (!whole) break;
+    frame.t = order.t;
+    if (order.kind == OrderKind::kFrame) recording.frames.push_back(frame);
+  }
+  recording.order.resize(row);
 }
 
 void cut(const RecordingOptions& options, Recording& recording) {
@@ -88,7 +115,8 @@ void check_overlap(const Recording& recording) {
 
 }  // namespace
 
-std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected) {
+std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected,
+                                         Rows rows) {
   TextTable table(path, "list of images");
   std::vector<ListedImage> images;
   while (table.next()) {
@@ -96,7 +124,7 @@ std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Co
     if (!t || table.columns() < 2) {
       if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
       count(rejected, "image_rows_truncated");
-    } else if (!images.empty() && *t <= images.back().t) {
+    } else if (rows == Rows::kInOrderOfTime && !images.empty() && *t <= images.back().t) {
       count(rejected, "image_stamps_not_rising");
     } else {
       images.push_back({*t, std::string(table.text(1))});
@@ -106,7 +134,8 @@ std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Co
   return images;
 }
 
-std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected) {
+std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected,
+                                        Rows rows) {
   TextTable table(path, "IMU samples");
   std::vector<ImuSample> samples;
   constexpr size_t kValues = 6;
@@ -124,6 +153,8 @@ std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Cou
     if (!complete) {
       if (!table.cut_off()) table.fail("needs 7 numbers", "remove or repair the line");
       count(rejected, "imu_rows_truncated");
+    } else if (rows == Rows::kAsRecorded) {
+      samples.push_back({*t, Vec3(v[0], v[1], v[2]), Vec3(v[3], v[4], v[5])});
     } else if (!finite) {
       count(rejected, "imu_samples_not_finite");
     } else if (!samples.empty() && *t <= samples.back().t) {
@@ -173,8 +204,17 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     const std::string& file = options.calibration.empty() ? mav0 : options.calibration;
     throw InputError(fault.what, file + ", " + fault.where, fault.what_to_do);
   }
-  read_frames(mav0, recording);
-  recording.imu = read_imu_samples(mav0 + "/imu0/data.csv", recording.rejected);
+  const bool whole = options.start_s <= 0 && options.duration_s <= 0;
+  if (whole && fs::exists(mav0 + "/order.csv")) recording.order = read_order(mav0 + "/order.csv");
+  const bool ordered = !recording.order.empty();
+  recording.imu = read_imu_samples(mav0 + "/imu0/data.csv", recording.rejected,
+                                   ordered ? Rows::kAsRecorded : Rows::kInOrderOfTime);
+  if (ordered) {
+    read_frames_in_order(mav0, recording);
+    if (recording.frames.empty()) throw InputError("no frames", mav0, "check the recording");
+  } else {
+    read_frames(mav0, recording);
+  }
   cut(options, recording);
   check_overlap(recording);
   for (const char* name : {"/state_groundtruth_estimate0/data.csv", "/groundtruth.tum"}) {

@@ -2,7 +2,8 @@
 // In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are
 //         needed; cam1 and state_groundtruth_estimate0 (or groundtruth.tum) are used if they are
 //         there.
-// Out     Frames and samples in order of time. A frame whose partner is missing stays, alone.
+// Out     Frames and samples in order of time, or, where the recording has an order.csv, all of them
+//         in the order in which they came. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
 // Units   t in ns, each sensor's own stamps; rad/s, m/s^2.
 // Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames, a
@@ -18,6 +19,7 @@
 #include "bsp/api/imu.h"
 #include "core/kernels/image.h"
 #include "modules/calibration/calibration.h"
+#include "modules/recorder/order_row.h"
 #include "tools/dataset/trajectory.h"
 
 namespace pirvs::tools {
@@ -26,6 +28,7 @@ struct FrameFiles {
   TimeNs t = 0;
   std::string image[2];  // empty: that camera has no image at t
   ImageView pixels[2];   // of a packed recording, which has no image files
+  TimeNs late[2] = {0, 0};
 };
 
 struct Count {
@@ -45,6 +48,9 @@ struct Recording {
   Calibration calibration;
   std::vector<FrameFiles> frames;
   std::vector<ImuSample> imu;
+  // As the recorder wrote it, in which case frames and samples are all that came, whatever their
+  // stamps; else empty. Only of a whole recording, not of a part.
+  std::vector<OrderRow> order;
   Trajectory truth;  // no poses: the recording has none
   std::vector<Count> rejected;
   std::shared_ptr<const void> pack;  // the memory that FrameFiles::pixels point into
@@ -57,8 +63,12 @@ struct ListedImage {
   TimeNs t = 0;
   std::string file;
 };
-std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected);
-std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected);
+// kAsRecorded: rows that go back in time or are not finite are what was sensed, and stay.
+enum class Rows : uint8_t { kInOrderOfTime, kAsRecorded };
+std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Count>& rejected,
+                                         Rows rows = Rows::kInOrderOfTime);
+std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Count>& rejected,
+                                        Rows rows = Rows::kInOrderOfTime);
 
 Recording open_recording(const std::string& folder, const RecordingOptions& options);
 

@@ -5,18 +5,28 @@
 namespace pirvs::tools {
 
 Feed::Feed(const Recording& recording, const std::vector<Fault>& faults,
-           std::function<void(size_t played)> on_frame)
+           std::function<void(size_t played)> on_frame, TimeNs camera_latency)
     : recording_(recording),
       faults_(faults, recording),
       player_(recording),
-      on_frame_(std::move(on_frame)) {}
+      on_frame_(std::move(on_frame)),
+      camera_delay_(recording.calibration.camera_time_offset_ns + camera_latency),
+      follows_order_(!recording.order.empty() && faults.empty() && camera_latency == 0) {}
 
-bsp::RecordingSource Feed::source() { return {this, next_imu, next_frame, release_frame}; }
+bsp::RecordingSource Feed::source() {
+  bsp::RecordingSource out = {this, next_imu, next_frame, release_frame, arrival};
+  if (follows_order_) {
+    out.order = order;
+    out.go_on = go_on;
+  }
+  return out;
+}
 
 bool Feed::next_imu(void* context, ImuSample& out) {
   Feed& feed = *static_cast<Feed*>(context);
   while (feed.imu_at_ < feed.recording_.imu.size()) {
     out = feed.recording_.imu[feed.imu_at_++];
+    feed.imu_arrival_ = out.t;
     if (feed.faults_.pass(out)) return true;
   }
   return false;
@@ -26,10 +36,60 @@ bool Feed::next_frame(void* context, StereoFrame& out) {
   Feed& feed = *static_cast<Feed*>(context);
   while (const StereoFrame* const frame = feed.player_.front()) {
     out = *frame;
+    feed.frame_arrival_ = out.t + feed.camera_delay_;
     if (feed.faults_.pass(out)) return true;
     feed.player_.pop();
   }
   return false;
+}
+
+TimeNs Feed::arrival(void* context, bool frame) {
+  const Feed& feed = *static_cast<Feed*>(context);
+  return frame ? feed.frame_arrival_ : feed.imu_arrival_;
+}
+
+bool Feed::order(void* context, bsp::RecordedArrival& out) {
+  using Kind = bsp::RecordedArrival::Kind;
+  Feed& feed = *static_cast<Feed*>(context);
+  const std::vector<OrderRow>& rows = feed.recording_.order;
+  // Decisions are no arrivals.
+  while (feed.order_at_ < rows.size() && rows[feed.order_at_].kind == OrderKind::kMap) {
+    ++feed.order_at_;
+  }
+  if (feed.order_at_ == rows.size()) return false;
+  const OrderRow& row = rows[feed.order_at_];
+  const Kind sensor = row.sensor == Sensor::kImu ? Kind::kImu : Kind::kFrame;
+  switch (row.kind) {
+    case OrderKind::kImu:
+      out = {Kind::kImu, row.after_loss ? Status::kFull : Status::kOk, 0};
+      break;
+    case OrderKind::kFrame:
+      out = {Kind::kFrame, Status::kOk, 0};
+      break;
+    case OrderKind::kTick:
+      out = {Kind::kTick, Status::kOk, row.t};
+      break;
+    case OrderKind::kFault:
+      out = {sensor, row.status, 0};
+      break;
+    case OrderKind::kEnd:
+      out = {sensor, Status::kStale, 0};
+      break;
+    default:
+      out = {Kind::kOther, Status::kOk, 0};
+  }
+  return true;
+}
+
+bool Feed::next_command(void* context, pirvs::Command& out) {
+  Feed& feed = *static_cast<Feed*>(context);
+  bsp::RecordedArrival next;
+  if (!feed.follows_order_ || !order(context, next)) return false;
+  const OrderRow& row = feed.recording_.order[feed.order_at_];
+  if (row.kind != OrderKind::kCommand) return false;
+  out = row.command;
+  ++feed.order_at_;
+  return true;
 }
 
 void Feed::release_frame(void* context) {

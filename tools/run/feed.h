@@ -1,6 +1,8 @@
 // What    A recording as bsp/replay wants it: decoded, through the faults asked for.
-// In      An open Recording, which must outlive the feed; faults, perhaps none.
-// Out     source() for bsp::replay_start; frames_played() for a progress bar.
+// In      An open Recording, which must outlive the feed; faults, perhaps none; how much later than
+//         its own time a frame comes.
+// Out     source() for bsp::replay_start: items come in the order of recorded time, whatever a fault
+//         does to their stamps; or, as fast as possible, in the recorded order if there is one.
 // Frames  as recorded.
 // Errors  InputError on construction: no image can be read; a fault that cannot happen.
 // Cost    that of the player.
@@ -10,6 +12,7 @@
 #include <functional>
 
 #include "bsp/replay/replay.h"
+#include "modules/app/intake.h"
 #include "tools/dataset/player.h"
 #include "tools/run/fault.h"
 
@@ -18,8 +21,11 @@ namespace pirvs::tools {
 class Feed {
  public:
   explicit Feed(const Recording& recording, const std::vector<Fault>& faults = {},
-                std::function<void(size_t played)> on_frame = {});
+                std::function<void(size_t played)> on_frame = {}, TimeNs camera_latency = 0);
   bsp::RecordingSource source();
+
+  // The recorded commands, each at its turn.
+  CommandSource commands() { return {this, next_command}; }
 
   std::vector<Count> rejected() const { return player_.rejected(); }
   std::vector<Count> faults_applied() const { return faults_.applied(); }
@@ -28,12 +34,20 @@ class Feed {
   static bool next_imu(void* context, ImuSample& out);
   static bool next_frame(void* context, StereoFrame& out);
   static void release_frame(void* context);
+  static TimeNs arrival(void* context, bool frame);
+  static bool order(void* context, bsp::RecordedArrival& out);
+  static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
+  static bool next_command(void* context, pirvs::Command& out);
 
   const Recording& recording_;
   FaultLine faults_;
   Player player_;
   std::function<void(size_t)> on_frame_;
+  TimeNs camera_delay_;  // from a frame's stamp to its arrival, on the IMU's clock
+  bool follows_order_;   // faults and a latency would change it
+  size_t order_at_ = 0;
   size_t imu_at_ = 0;
+  TimeNs imu_arrival_ = 0, frame_arrival_ = 0;
 };
 
 }  // namespace pirvs::tools

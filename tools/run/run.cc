@@ -31,6 +31,7 @@ struct Options {
   int cores = 1;
   bool lockstep = false;
   int mapping_lag = -1;
+  double camera_latency_ms = 0;
   bool trace = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
@@ -76,9 +77,12 @@ int run(const Options& options, const std::string& command) {
   Status status = Status::kOk;
   {
     Progress progress("running", recording.frames.size());
-    Feed feed(recording, faults, [&progress](size_t played) { progress.update(played); });
+    Feed feed(
+        recording, faults, [&progress](size_t played) { progress.update(played); },
+        from_seconds(options.camera_latency_ms * 1e-3));
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
+    app.replay_commands(feed.commands());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
     }
@@ -126,6 +130,9 @@ std::function<int()> declare_run(CLI::App& app) {
                  "delay each result of mapping by exactly this many frames, for tests")
       ->check(CLI::Range(0, MapGate::kLagMax))
       ->excludes(real_time);
+  app.add_option("--camera-latency", o->camera_latency_ms,
+                 "MS, deliver each frame this much later than the IMU samples of its time")
+      ->check(CLI::Range(0.0, 1000.0));
   app.add_flag("--trace", o->trace,
                "also write trace.json: when each task ran, in the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")

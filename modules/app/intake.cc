@@ -1,0 +1,104 @@
+#include "modules/app/intake.h"
+
+#include "bsp/api/tick.h"
+
+namespace pirvs {
+
+void Intake::configure(Door* door, const IntakeTap& tap, const CommandSource& commands) {
+  *this = Intake{};
+  door_ = door;
+  tap_ = tap;
+  commands_ = commands;
+}
+
+void Intake::push(const Arrival& arrival) {
+  if (tap_.arrival != nullptr) tap_.arrival(tap_.context, arrival);
+  door_->push(arrival);
+}
+
+// A replay gives a frame only once the IMU has come to it, so the cameras are asked first.
+bool Intake::poll() { return poll_command() || poll_camera() || poll_imu() || poll_tick(); }
+
+bool Intake::poll_command() {
+  Command command;
+  if (commands_.next == nullptr || !commands_.next(commands_.context, command)) return false;
+  push(arrival_of(command));
+  return true;
+}
+
+// A sensor that is lost would answer with a fault each time.
+bool Intake::may_ask(Sensor sensor) {
+  const int i = static_cast<int>(sensor);
+  if (ended_[i] || (door_->is_lost(sensor) && asked_since_tick_[i])) return false;
+  asked_since_tick_[i] = true;
+  return true;
+}
+
+bool Intake::poll_camera() {
+  if (!door_->wants_frame() || !may_ask(Sensor::kCamera)) return false;
+  StereoFrame frame;
+  const Status status = bsp::camera_poll(frame);
+  if (status == Status::kEmpty) return false;
+  if (status == Status::kOk) {
+    push(arrival_of(frame));
+  } else if (status == Status::kStale) {
+    ended_[static_cast<int>(Sensor::kCamera)] = true;
+    push(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
+  } else {
+    push(arrival_of(ArrivalKind::kFault, Sensor::kCamera, status));
+  }
+  return true;
+}
+
+bool Intake::ask_imu(Arrival& out) {
+  if (!door_->wants_imu() || !may_ask(Sensor::kImu)) return false;
+  ImuSample sample;
+  const Status status = bsp::imu_poll(sample);
+  if (status == Status::kEmpty) return false;
+  if (status == Status::kOk || status == Status::kFull) {
+    out = arrival_of(sample, status == Status::kFull);
+  } else if (status == Status::kStale) {
+    ended_[static_cast<int>(Sensor::kImu)] = true;
+    out = arrival_of(ArrivalKind::kEnd, Sensor::kImu);
+  } else {
+    out = arrival_of(ArrivalKind::kFault, Sensor::kImu, status);
+  }
+  return true;
+}
+
+bool Intake::poll_imu() {
+  Arrival arrival;
+  if (has_pending_) {
+    has_pending_ = false;
+    push(pending_);
+    return true;
+  }
+  if (!ask_imu(arrival)) return false;
+  push(arrival);
+  return true;
+}
+
+// What is no sample waits for poll(), and all that comes after it.
+void Intake::drain_imu() {
+  Arrival arrival;
+  while (!has_pending_ && !door_->is_lost(Sensor::kImu) && ask_imu(arrival)) {
+    if (arrival.kind == ArrivalKind::kImu) {
+      push(arrival);
+    } else {
+      pending_ = arrival;
+      has_pending_ = true;
+    }
+  }
+}
+
+bool Intake::poll_tick() {
+  TimeNs t = 0;
+  if (bsp::tick_poll(t) != Status::kOk) return false;
+  for (bool& asked : asked_since_tick_) asked = false;
+  push(tick_at(t));
+  return true;
+}
+
+void Intake::release(void*, const StereoFrame&) { bsp::camera_release(); }
+
+}  // namespace pirvs

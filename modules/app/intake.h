@@ -1,0 +1,56 @@
+// Asks all that can come in, and pushes it through the door as arrivals.
+// In      bsp::imu_poll, camera_poll, tick_poll; commands from CommandSource.
+// Out     poll(): one arrival, when the door has nothing left to hand out. drain_imu(): all IMU
+//         samples that are there, at any time, so that the door's fresh listener has them at once.
+//         Either way the door hands out the same items. IntakeTap sees each arrival before the door
+//         judges it. Frames go back to the bsp by release().
+// Errors  Faults of a driver are arrivals: the door counts them. A lost sensor is asked at each
+//         tick, and goes on by itself when it answers.
+// Cost    A few polls. Belongs to the door's core; release() to whoever has the frame.
+// Source  docs/architecture.md, "One way for the data".
+#pragma once
+
+#include "modules/door/door.h"
+
+namespace pirvs {
+
+struct IntakeTap {
+  void* context = nullptr;
+  void (*arrival)(void*, const Arrival&) = nullptr;  // a frame's images are valid during the call
+};
+
+struct CommandSource {
+  void* context = nullptr;
+  bool (*next)(void*, Command& out) = nullptr;
+};
+
+class Intake {
+ public:
+  void configure(Door* door, const IntakeTap& tap = {}, const CommandSource& commands = {});
+  void set_tap(const IntakeTap& tap) { tap_ = tap; }
+
+  // False: nothing has come.
+  bool poll();
+  void drain_imu();
+  // As DoorListener::release.
+  static void release(void*, const StereoFrame& frame);
+
+ private:
+  bool poll_command();
+  bool poll_camera();
+  bool poll_imu();
+  bool poll_tick();
+  bool ask_imu(Arrival& out);
+  bool may_ask(Sensor sensor);
+  void push(const Arrival& arrival);
+
+  Door* door_ = nullptr;
+  IntakeTap tap_;
+  CommandSource commands_;
+  bool ended_[static_cast<int>(Sensor::kCount)] = {};
+  bool asked_since_tick_[static_cast<int>(Sensor::kCount)] = {};
+  Arrival pending_;  // of the IMU, met by drain_imu(): it must wait for poll()
+  bool has_pending_ = false;
+};
+
+}  // namespace pirvs
