@@ -17,27 +17,6 @@ constexpr double kSlide_px = 0.5;      // of a track at rest
 constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
 constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
 
-// Keeps where the track stays: a place that it leaves is given up for the one where it is now.
-void follow(Track& track, double dt_s, double stay_px) {
-  if (track.still_s < 0) {  // its second image
-    track.x_still = track.x_last;
-    track.y_still = track.y_last;
-    track.still_s = 0;
-  }
-  const double dx = track.x - track.x_still, dy = track.y - track.y_still;
-  if (dx * dx + dy * dy <= stay_px * stay_px) {
-    track.still_s += static_cast<float>(dt_s);
-    const double gain = dt_s / kTrackSettle_s;
-    track.x_still += static_cast<float>(gain * dx);
-    track.y_still += static_cast<float>(gain * dy);
-    return;
-  }
-  track.x_still = track.x;
-  track.y_still = track.y;
-  track.still_s = 0;
-  track.moves = static_cast<uint8_t>(std::min(track.moves + 1, 254));
-}
-
 }  // namespace
 
 void StandstillDetector::reset() {
@@ -47,7 +26,7 @@ void StandstillDetector::reset() {
   w_sum_.setZero();
   f_sum_.setZero();
   w_sigma_ = f_sigma_ = 1e9;
-  still_share_ = patience_s_ = rest_s_ = 0;
+  patience_s_ = rest_s_ = 0;
   pushed_ = false;
 }
 
@@ -61,38 +40,63 @@ void StandstillDetector::add_imu(const ImuSample& sample) {
   ++sum_count_;
 }
 
-// What a track that stands has left behind.
-void StandstillDetector::settle(Track& track, bool stood) const {
-  const float dx = track.x - track.x_stood, dy = track.y - track.y_stood;
-  if (stood && !(at_rest() && dx * dx + dy * dy > kSlide_px * kSlide_px)) return;
-  if (at_rest() && (stood || track.moves > 0)) {
-    track.moves = kSlid;
+// Keeps where the track stays: a place that it leaves is given up for the one where it is now.
+void StandstillDetector::follow(const Track& track, double dt_s, double stay_px, Stay& stay) {
+  if (stay.still_s < 0) {  // its second image
+    stay.x = track.x_last;
+    stay.y = track.y_last;
+    stay.still_s = 0;
+  }
+  const double dx = track.x - stay.x, dy = track.y - stay.y;
+  if (dx * dx + dy * dy <= stay_px * stay_px) {
+    stay.still_s += static_cast<float>(dt_s);
+    const double gain = dt_s / kTrackSettle_s;
+    stay.x += static_cast<float>(gain * dx);
+    stay.y += static_cast<float>(gain * dy);
     return;
   }
-  track.x_stood = track.x_still;
-  track.y_stood = track.y_still;
-  track.moves = 0;
+  stay.x = track.x;
+  stay.y = track.y;
+  stay.still_s = 0;
+  stay.moves = static_cast<uint8_t>(std::min(stay.moves + 1, 254));
+}
+
+// A standing track has slid when it stands elsewhere than before while the device rests. Otherwise
+// its place becomes the one to be compared with.
+void StandstillDetector::settle(const Track& track, bool stood, Stay& stay) const {
+  const float dx = track.x - stay.x_stood, dy = track.y - stay.y_stood;
+  if (stood && !(at_rest() && dx * dx + dy * dy > kSlide_px * kSlide_px)) return;
+  if (at_rest() && (stood || stay.moves > 0)) {
+    stay.moves = kSlid;
+    return;
+  }
+  stay.x_stood = stay.x;
+  stay.y_stood = stay.y;
+  stay.moves = 0;
 }
 
 // A track votes once it has moved or has stood for long enough, a cell by the majority of its
 // tracks: what attracts many tracks has no more votes than its share of the image.
-void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, double dt_s) {
+void StandstillDetector::add_tracks(const Camera& camera, int c, const Tracks& tracks,
+                                    double dt_s) {
   int votes[kColumns * kRows] = {};
   bool voted[kColumns * kRows] = {};
-  for (Track& track : tracks) {
+  for (const Track& track : tracks) {
     if (track.age == 0) continue;
-    const bool stood = stands(track);
-    follow(track, dt_s, params_.image_px);
-    if (stands(track)) {
-      settle(track, stood);
+    Stay& stay = stays_[c][track];
+    const bool stood = stands(stay);
+    follow(track, dt_s, params_.image_px, stay);
+    if (stands(stay)) {
+      settle(track, stood, stay);
       ++standing_;
-    } else if (track.moves == 0) {
+    } else if (stay.moves == 0) {
       continue;
     }
-    left_ += stood && !stands(track) ? 1 : 0;
-    const int column = std::clamp(static_cast<int>(track.x) * kColumns / width, 0, kColumns - 1);
-    const int row = std::clamp(static_cast<int>(track.y) * kRows / height, 0, kRows - 1);
-    votes[row * kColumns + column] += stands(track) ? 1 : -1;
+    left_ += stood && !stands(stay) ? 1 : 0;
+    const int column =
+        std::clamp(static_cast<int>(track.x) * kColumns / camera.width, 0, kColumns - 1);
+    const int row = std::clamp(static_cast<int>(track.y) * kRows / camera.height, 0, kRows - 1);
+    votes[row * kColumns + column] += stands(stay) ? 1 : -1;
     voted[row * kColumns + column] = true;
   }
   for (int i = 0; i < kColumns * kRows; ++i) {
@@ -144,11 +148,11 @@ bool StandstillDetector::stays() const {
 
 void StandstillDetector::judge(double dt_s, const Expected& expected) {
   if (count_ > 0) take_means();
-  still_share_ = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
+  const double still_share = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
   cells_ = cells_still_ = 0;
   const bool was_at_rest = at_rest();
   const bool image_still =
-      was_at_rest ? still_share_ > kShareToLeave && left_ < standing_ : still_share_ > kShareToRest;
+      was_at_rest ? still_share > kShareToLeave && left_ < standing_ : still_share > kShareToRest;
   left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
   standing_ = 0;
   if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {

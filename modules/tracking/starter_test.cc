@@ -29,6 +29,8 @@ struct Start {
     standstill.reset();
     for (int i = 0; i < 48; ++i) {
       Track track;
+      track.id = static_cast<TrackId>(i + 1);
+      track.slot = static_cast<uint16_t>(i);
       track.x = 47.0f + 94.0f * static_cast<float>(i % 8);
       track.y = 40.0f + 80.0f * static_cast<float>(i / 8);
       (void)seen.push_back(track);
@@ -85,7 +87,7 @@ struct Start {
       track.x += static_cast<float>(k % 2 == 0 ? image_motion_px : -image_motion_px);
       ++track.age;
     }
-    standstill.add_tracks(seen, 752, 480, kFrame_s);
+    standstill.add_tracks(still_lens, 0, seen, kFrame_s);
     standstill.judge(kFrame_s, {});
     const bool keyframe = starter->wants_keyframe(from_seconds(t_s));
     return starter->add_frame(from_seconds(t_s), tracks[0], tracks[1],
@@ -118,6 +120,7 @@ struct Start {
   TrackerParams params;
   StandstillParams limits;
   StandstillDetector standstill;
+  Camera still_lens = testing::lens(CameraModel::kPinholeRadtan);
   std::unique_ptr<Starter> starter = std::make_unique<Starter>();
   std::vector<Vec3> points;
   Tracks tracks[kCamerasMax], seen;

@@ -97,8 +97,10 @@ Vec3 Tracker::prepare(Frontend* frontends) {
     const SE3 T_CW = (T_WB * camera_[c].T_BC).inverse();
     const SE3 T_CW_last = (T_WB_last_frame_ * camera_[c].T_BC).inverse();
     frontends[c].predict(T_CW.R * T_CW_last.R.transpose());
-    for (Track& track : frontends[c].tracks()) {
-      const MapPoint* point = view_.find(track.landmark);
+    const Tracks& tracks = frontends[c].tracks();
+    for (size_t i = 0; i < tracks.size(); ++i) {
+      Track& track = frontends[c].track(i);
+      const MapPoint* point = view_.find(landmarks_[c].get(track));
       Vec2 before, now;
       if (point == nullptr || !camera_[c].project(T_CW_last * point->p_W, before) ||
           !camera_[c].project(T_CW * point->p_W, now)) {
@@ -173,14 +175,14 @@ void Tracker::associate(const MapSnapshot& snapshot, Frontend* frontends) {
     uint16_t index;
   };
   for (int c = 0; c < kCamerasMax; ++c) {
-    Tracks& tracks = frontends[c].tracks();
+    const Tracks& tracks = frontends[c].tracks();
     FixedVector<Entry, kTracksMax> sorted;
     for (size_t i = 0; i < tracks.size(); ++i) {
-      const MapPoint* point = view_.find(tracks[i].landmark);
+      const MapPoint* point = view_.find(landmarks_[c].get(tracks[i]));
       const bool freed =
           point == nullptr || point->epoch != view_.epoch() ||
           (snapshot.keyframe == sequence_ && point->in_newest && point->track[c] != tracks[i].id);
-      if (freed) tracks[i].landmark = LandmarkId{};
+      if (freed) landmarks_[c][tracks[i]] = LandmarkId{};
       (void)sorted.push_back({tracks[i].id, static_cast<uint16_t>(i)});
     }
     const auto less = [](const Entry& a, const Entry& b) { return a.id < b.id; };
@@ -190,7 +192,7 @@ void Tracker::associate(const MapSnapshot& snapshot, Frontend* frontends) {
       const Entry* found =
           std::lower_bound(sorted.begin(), sorted.end(), Entry{point.track[c], 0}, less);
       if (found == sorted.end() || found->id != point.track[c]) continue;
-      tracks[found->index].landmark = point.id;
+      landmarks_[c][tracks[found->index]] = point.id;
     }
   }
 }
@@ -199,8 +201,8 @@ void Tracker::match(Frontend* frontends) {
   if (!running_ || view_.empty()) return;
   const PosePrediction pose{filter_.state().T_WB, filter_.cov().topLeftCorner<6, 6>()};
   for (int c = 0; c < cameras_; ++c) {
-    counters_.matched_by_projection += static_cast<uint32_t>(
-        match_by_projection(view_, pose, camera_[c], params_.matching, frontends[c].tracks()));
+    counters_.matched_by_projection += static_cast<uint32_t>(match_by_projection(
+        view_, pose, camera_[c], params_.matching, frontends[c].tracks(), landmarks_[c]));
   }
 }
 
@@ -210,10 +212,10 @@ void Tracker::collect(Frontend* frontends) {
   const bool at_rest = standstill_.at_rest();
   const double sigma = params_.filter.sigma_px * (at_rest ? params_.filter.standstill_px_scale : 1);
   for (int c = 0; c < kCamerasMax; ++c) {
-    for (Track& track : frontends[c].tracks()) {
-      const MapPoint* point = view_.find(track.landmark);
+    for (const Track& track : frontends[c].tracks()) {
+      const MapPoint* point = view_.find(landmarks_[c].get(track));
       if (point == nullptr || point->epoch != view_.epoch()) continue;
-      if (at_rest && !standstill_.stands(track)) continue;
+      if (at_rest && !standstill_.stands(c, track)) continue;
       (void)correspondences_.push_back(
           {point->p_W, point->cov, Vec2(track.x, track.y), sigma, c, Gate::kAccepted});
       (void)corresponding_.push_back(&track);  // valid until a track is erased
@@ -225,17 +227,17 @@ void Tracker::count_misses(Frontend* frontends) {
   for (size_t i = 0; i < correspondences_.size(); ++i) {
     const Gate gate = correspondences_[i].gate;
     counters_.gates.add(gate);
-    Track& track = *corresponding_[i];
-    track.misses = gate == Gate::kAccepted ? 0 : static_cast<uint8_t>(track.misses + 1);
+    uint8_t& misses = misses_[correspondences_[i].camera][*corresponding_[i]];
+    misses = gate == Gate::kAccepted ? 0 : static_cast<uint8_t>(misses + 1);
   }
   for (int c = 0; c < kCamerasMax; ++c) {
-    Tracks& tracks = frontends[c].tracks();
+    const Tracks& tracks = frontends[c].tracks();
     for (size_t i = 0; i < tracks.size();) {
-      if (static_cast<float>(tracks[i].misses) <= params_.tracker.misses_max) {
+      if (static_cast<float>(misses_[c].get(tracks[i])) <= params_.tracker.misses_max) {
         ++i;
         continue;
       }
-      tracks.erase_unordered(i);
+      frontends[c].erase(i);
       ++counters_.tracks_dropped;
     }
   }
@@ -244,7 +246,7 @@ void Tracker::count_misses(Frontend* frontends) {
 void Tracker::judge_standstill(uint8_t present, double dt_s, Frontend* frontends) {
   for (int c = 0; c < cameras_; ++c) {
     if ((present >> c & 1) == 0) continue;
-    standstill_.add_tracks(frontends[c].tracks(), camera_[c].width, camera_[c].height, dt_s);
+    standstill_.add_tracks(camera_[c], c, frontends[c].tracks(), dt_s);
   }
   StandstillDetector::Expected expected;
   if (running_) {
@@ -256,15 +258,15 @@ void Tracker::judge_standstill(uint8_t present, double dt_s, Frontend* frontends
   if (!standstill_.at_rest()) return;
   // Without a descriptor a track becomes no point, and is matched with none.
   for (int c = 0; c < cameras_; ++c) {
-    Tracks& tracks = frontends[c].tracks();
+    const Tracks& tracks = frontends[c].tracks();
     for (size_t i = 0; i < tracks.size();) {
-      if (standstill_.slid(tracks[i])) {
-        tracks.erase_unordered(i);
+      if (standstill_.slid(c, tracks[i])) {
+        frontends[c].erase(i);
         continue;
       }
-      if (standstill_.moves(tracks[i])) {
-        tracks[i].landmark = LandmarkId{};
-        tracks[i].described = false;
+      if (standstill_.moves(c, tracks[i])) {
+        landmarks_[c][tracks[i]] = LandmarkId{};
+        frontends[c].track(i).described = false;
       }
       ++i;
     }
@@ -423,7 +425,7 @@ void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
   filter_.reset(state, cov);
   filter_.propagate(last_imu_);
   for (int c = 0; c < kCamerasMax; ++c) {
-    for (Track& track : frontends[c].tracks()) track.landmark = LandmarkId{};
+    for (const Track& track : frontends[c].tracks()) landmarks_[c][track] = LandmarkId{};
   }
   adopt(found, frontends);
   collect(frontends);
@@ -435,7 +437,7 @@ void Tracker::relocalize(TimeNs t, Frontend* frontends, FrameResult& result) {
 
 void Tracker::adopt(const Recognition& found, Frontend* frontends) {
   for (const Recognition::Match& match : found.matches) {
-    frontends[match.camera].tracks()[match.track].landmark = match.landmark;
+    landmarks_[match.camera][frontends[match.camera].tracks()[match.track]] = match.landmark;
   }
 }
 
@@ -476,7 +478,7 @@ int Tracker::tracked_made_by(uint32_t keyframe, const Frontend* frontends) const
   int count = 0;
   for (int c = 0; c < kCamerasMax; ++c) {
     for (const Track& track : frontends[c].tracks()) {
-      const MapPoint* point = view_.find(track.landmark);
+      const MapPoint* point = view_.find(landmarks_[c].get(track));
       count += point != nullptr && point->first_keyframe <= keyframe ? 1 : 0;
     }
   }
@@ -632,7 +634,8 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, Frontend* frontends, FrameR
       light_since_ != 0 && to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
   if (seen == 0 || joining_ || waits || in_doubt_) return;
   if (!(no_depth ? rest_keyframe_due(t)
-                 : keyframe_due(t, frontends[seen == kRightAlone ? 1 : 0]))) {
+                 : keyframe_due(t, seen == kRightAlone ? 1 : 0,
+                                frontends[seen == kRightAlone ? 1 : 0]))) {
     return;
   }
   stereo_pairs_.clear();
@@ -657,7 +660,7 @@ bool Tracker::rest_keyframe_due(TimeNs t) const {
   return to_seconds(t - last_keyframe_.t) > params_.tracker.keyframe_interval_s_max;
 }
 
-bool Tracker::keyframe_due(TimeNs t, const Frontend& frontend) const {
+bool Tracker::keyframe_due(TimeNs t, int c, const Frontend& frontend) const {
   const TrackerParams& p = params_.tracker;
   const double dt_s = to_seconds(t - last_keyframe_.t);
   if (dt_s < p.keyframe_interval_s_min || standstill_.at_rest()) return false;
@@ -667,7 +670,7 @@ bool Tracker::keyframe_due(TimeNs t, const Frontend& frontend) const {
   const double cos_turn = 0.5 * ((last_keyframe_.T_WB.R.transpose() * T_WB.R).trace() - 1.0);
   if (cos_turn < cosine(p.keyframe_angle_deg * (3.14159265358979 / 180))) return true;
   size_t matched = 0;
-  for (const Track& track : frontend.tracks()) matched += track.landmark.valid() ? 1 : 0;
+  for (const Track& track : frontend.tracks()) matched += landmarks_[c].get(track).valid() ? 1 : 0;
   return static_cast<float>(matched) <
          p.keyframe_matched_ratio_min * static_cast<float>(frontend.tracks().size());
 }
@@ -681,15 +684,16 @@ void Tracker::find_stereo(Frontend* frontends) {
     const SE3 T_CW_to = (filter_.state().T_WB * camera_[to].T_BC).inverse();
     const size_t count = frontends[from].tracks().size();
     for (size_t i = 0; i < count; ++i) {
-      Track& track = frontends[from].tracks()[i];
-      const MapPoint* point = running_ ? view_.find(track.landmark) : nullptr;
+      const Track& track = frontends[from].tracks()[i];
+      const LandmarkId landmark = landmarks_[from].get(track);
+      const MapPoint* point = running_ ? view_.find(landmark) : nullptr;
       const Vec2 uv(track.x, track.y);
       Vec2 uv_to;
       StereoLoss loss;
       if (point != nullptr) {
         bool followed = false;
         for (const Track& other : frontends[to].tracks()) {
-          followed |= other.landmark == track.landmark;
+          followed |= landmarks_[to].get(other) == landmark;
         }
         Vec2 expected;
         if (followed || !camera_[to].project(T_CW_to * point->p_W, expected) ||
@@ -706,7 +710,7 @@ void Tracker::find_stereo(Frontend* frontends) {
       if (loss != StereoLoss::kFound) continue;
       const float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y());
       Track* other = frontends[to].nearest(x, y, 2.0f);
-      if (other != nullptr && other->landmark.valid()) continue;  // another point's
+      if (other != nullptr && landmarks_[to].get(*other).valid()) continue;  // another point's
       TrackId other_id = other != nullptr ? other->id : 0;
       if (other != nullptr && other->age == 0) {  // a fresh corner gives way to the exact place
         other->x = x;
@@ -714,7 +718,7 @@ void Tracker::find_stereo(Frontend* frontends) {
       } else if (other == nullptr) {
         other_id = frontends[to].start_track(x, y, track.described ? &track.descriptor : nullptr);
         if (other_id == 0) continue;
-        frontends[to].tracks().back().landmark = track.landmark;
+        landmarks_[to][frontends[to].tracks().back()] = landmark;
       }
       if (from == 0) (void)stereo_pairs_.push_back({track.id, other_id});
     }
@@ -728,7 +732,7 @@ void Tracker::observe(const Frontend* frontends, Observations* observations) con
       Observation* o = observations[c].append();
       PIRVS_ASSERT(o != nullptr);  // as many as tracks
       *o = Observation{};
-      o->landmark = track.landmark;
+      o->landmark = landmarks_[c].get(track);
       o->track = track.id;
       o->x = track.x;
       o->y = track.y;

@@ -120,7 +120,7 @@ class Tracker {
   bool try_join(TimeNs t, Frontend* frontends);
   bool try_close(TimeNs t, Frontend* frontends);
   int tracked_made_by(uint32_t keyframe, const Frontend* frontends) const;
-  static void adopt(const Recognition& found, Frontend* frontends);
+  void adopt(const Recognition& found, Frontend* frontends);
   int locate(const Recognition& found, const Frontend* frontends);
   void lose();
   Mat6 find_place(TimeNs t, Frontend* frontends);  // and how uncertain it is
@@ -133,7 +133,7 @@ class Tracker {
   void start(TimeNs t, uint8_t seen, Frontend* frontends, FrameResult& result);
   Status try_start(TimeNs t, uint8_t seen, Frontend* frontends);
   bool send_start(const Mat6& error);
-  bool keyframe_due(TimeNs t, const Frontend& frontend) const;
+  bool keyframe_due(TimeNs t, int c, const Frontend& frontend) const;
   bool rest_keyframe_due(TimeNs t) const;
   void find_stereo(Frontend* frontends);
   void observe(const Frontend* frontends, Observations* observations) const;
@@ -156,6 +156,8 @@ class Tracker {
   BodyState rest_state_;
   Mat15 rest_cov_ = Mat15::Zero();
   MapView view_;
+  LandmarkTable landmarks_[kCamerasMax];
+  TrackTable<uint8_t> misses_[kCamerasMax];  // consecutive images that gated the landmark out
   bool running_ = false;
   bool in_doubt_ = false;
   uint8_t start_cameras_ = 0;         // that the attempt to start looks through, a bit each
@@ -167,7 +169,6 @@ class Tracker {
   Vec3 map_error_at_ = Vec3::Zero();
   SE3 T_WB_last_frame_;  // for flow prediction
   TimeNs last_frame_t_ = 0;
-  Mat3 R_B0B_last_ = Mat3::Identity();
   Preintegration since_keyframe_;
   BodyState last_keyframe_;
   uint32_t sequence_ = 0;
@@ -193,7 +194,7 @@ class Tracker {
   };
   FixedVector<Pair, kTracksMax> stereo_pairs_;
   Correspondences correspondences_;
-  FixedVector<Track*, kCamerasMax * kTracksMax> corresponding_;  // tracks of correspondences_
+  FixedVector<const Track*, kCamerasMax * kTracksMax> corresponding_;  // tracks of correspondences_
   Observations start_observations_[kCamerasMax];
   TrackingCounters counters_;
 };
