@@ -20,24 +20,13 @@ constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its 
 }  // namespace
 
 void StandstillDetector::reset() {
-  count_ = next_ = sum_count_ = 0;
+  count_ = 0;
+  imu_end_ = 0;
   cells_still_ = cells_ = standing_ = 0;
   left_ = 0;
-  w_sum_.setZero();
-  f_sum_.setZero();
   w_sigma_ = f_sigma_ = 1e9;
   patience_s_ = rest_s_ = 0;
   pushed_ = false;
-}
-
-void StandstillDetector::add_imu(const ImuSample& sample) {
-  const int window = std::min(kWindowMax, static_cast<int>(params_.window_samples));
-  window_[next_] = sample;
-  next_ = (next_ + 1) % window;
-  count_ = std::min(count_ + 1, window);
-  w_sum_ += sample.w_B;
-  f_sum_ += sample.f_B;
-  ++sum_count_;
 }
 
 // Keeps where the track stays: a place that it leaves is given up for the one where it is now.
@@ -105,27 +94,43 @@ void StandstillDetector::add_tracks(const Camera& camera, int c, const Tracks& t
   }
 }
 
-void StandstillDetector::take_means() {
+void StandstillDetector::take_means(const ImuHistory& imu) {
+  const size_t window = static_cast<size_t>(params_.window_samples);
+  const size_t end = imu.end(), begin = end - std::min(end - imu.begin(), window);
+  count_ = static_cast<int>(end - begin);
+  if (count_ == 0) return;
+  // Summed from the last multiple of `window` on, then what is older: sample n always has the same
+  // place in the sum.
+  const auto for_each = [&](auto&& visit) {
+    const size_t turn = end - end % window;
+    for (size_t i = turn; i < end; ++i) visit(imu[i]);
+    for (size_t i = begin; i < turn; ++i) visit(imu[i]);
+  };
   w_mean_.setZero();
   f_mean_.setZero();
-  for (int i = 0; i < count_; ++i) {
-    w_mean_ += window_[i].w_B;
-    f_mean_ += window_[i].f_B;
-  }
+  for_each([&](const ImuSample& sample) {
+    w_mean_ += sample.w_B;
+    f_mean_ += sample.f_B;
+  });
   w_mean_ /= count_;
   f_mean_ /= count_;
   double w2 = 0, f2 = 0;
-  for (int i = 0; i < count_; ++i) {
-    w2 += (window_[i].w_B - w_mean_).squaredNorm();
-    f2 += (window_[i].f_B - f_mean_).squaredNorm();
-  }
+  for_each([&](const ImuSample& sample) {
+    w2 += (sample.w_B - w_mean_).squaredNorm();
+    f2 += (sample.f_B - f_mean_).squaredNorm();
+  });
   w_sigma_ = std::sqrt(w2 / count_);
   f_sigma_ = std::sqrt(f2 / count_);
-  w_last_ = sum_count_ > 0 ? Vec3(w_sum_ / sum_count_) : w_mean_;
-  f_last_ = sum_count_ > 0 ? Vec3(f_sum_ / sum_count_) : f_mean_;
-  w_sum_.setZero();
-  f_sum_.setZero();
-  sum_count_ = 0;
+  Vec3 w_sum = Vec3::Zero(), f_sum = Vec3::Zero();
+  const size_t first = std::max(imu_end_, imu.begin());
+  for (size_t i = first; i < end; ++i) {
+    w_sum += imu[i].w_B;
+    f_sum += imu[i].f_B;
+  }
+  const int since = static_cast<int>(end - first);
+  w_last_ = since > 0 ? Vec3(w_sum / since) : w_mean_;
+  f_last_ = since > 0 ? Vec3(f_sum / since) : f_mean_;
+  imu_end_ = end;
 }
 
 bool StandstillDetector::imu_quiet() const {
@@ -146,8 +151,8 @@ bool StandstillDetector::stays() const {
          (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
 }
 
-void StandstillDetector::judge(double dt_s, const Expected& expected) {
-  if (count_ > 0) take_means();
+void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expected& expected) {
+  take_means(imu);
   const double still_share = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
   cells_ = cells_still_ = 0;
   const bool was_at_rest = at_rest();

@@ -1,5 +1,5 @@
 // Tells a device at rest from a smooth flight, and from a scene that moves along with it.
-// In      every IMU sample; the tracks of each image, of which it notes where they stay; what the
+// In      the IMU's history; the tracks of each image, of which it notes where they stay; what the
 //         IMU should say at rest, once the filter knows.
 // Out     at rest or not, for how long; what the IMU said since the image before. Tracks that move
 //         while the device rests are told: they are on something that moves.
@@ -11,7 +11,7 @@
 #pragma once
 
 #include "modules/frontend/track_table.h"
-#include "modules/imu/imu_sample.h"
+#include "modules/imu/imu_history.h"
 #include "modules/standstill/standstill_params.h"
 
 namespace pirvs {
@@ -26,11 +26,10 @@ class StandstillDetector {
   };
 
   void configure(const StandstillParams& params) { params_ = params; }
-  void reset();
-  void add_imu(const ImuSample& sample);
+  void reset();  // whenever the history is cleared
   // For each camera that delivered, then judge() once; dt_s since the image before.
   void add_tracks(const Camera& camera, int c, const Tracks& tracks, double dt_s);
-  void judge(double dt_s, const Expected& expected);
+  void judge(const ImuHistory& imu, double dt_s, const Expected& expected);
 
   bool at_rest() const { return rest_s_ > 0; }
   // How long it has stood, the time that told so included; 0: it does not.
@@ -49,7 +48,6 @@ class StandstillDetector {
   const Vec3& last_force_B() const { return f_last_; }
 
  private:
-  static constexpr int kWindowMax = 256;
   static constexpr uint8_t kSlid = UINT8_MAX;
   // Where a track stays.
   struct Stay {
@@ -60,19 +58,17 @@ class StandstillDetector {
   bool stands(const Stay& stay) const { return stay.still_s >= params_.image_s; }
   static void follow(const Track& track, double dt_s, double stay_px, Stay& stay);
   void settle(const Track& track, bool stood, Stay& stay) const;
-  void take_means();
+  void take_means(const ImuHistory& imu);
   bool imu_quiet() const;
   bool as_expected(const Expected& expected) const;
   bool stays() const;
 
   StandstillParams params_;
   TrackTable<Stay> stays_[kCamerasMax];
-  ImuSample window_[kWindowMax];
-  int count_ = 0, next_ = 0;
+  int count_ = 0;       // samples in the window
+  size_t imu_end_ = 0;  // of the history, at the last image
   Vec3 w_mean_ = Vec3::Zero(), f_mean_ = Vec3::Zero();
   double w_sigma_ = 1e9, f_sigma_ = 1e9;
-  Vec3 w_sum_ = Vec3::Zero(), f_sum_ = Vec3::Zero();  // since the last image
-  int sum_count_ = 0;
   Vec3 w_last_ = Vec3::Zero(), f_last_ = Vec3::Zero();
   Vec3 w_rest_ = Vec3::Zero(), f_rest_ = Vec3::Zero();  // at rest: what the IMU has settled on
   int cells_still_ = 0, cells_ = 0;                     // of the images since judge()

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <memory>
 
 #include "modules/imu/gravity.h"
 #include "modules/testing.h"
@@ -37,7 +38,7 @@ struct Case {
   template <class Flow>
   bool frame(const Flow& flow) {
     for (int i = 0; i < 10; ++i) {
-      detector.add_imu({t += 5'000'000, w_B + random.vec(sigma_w), f_B + random.vec(sigma_f)});
+      imu->add({t += 5'000'000, w_B + random.vec(sigma_w), f_B + random.vec(sigma_f)});
     }
     for (size_t i = 0; i < tracks.size(); ++i) {
       Track& track = tracks[i];
@@ -50,7 +51,7 @@ struct Case {
       ++track.age;
     }
     detector.add_tracks(camera, 0, tracks, kFrame_s);
-    detector.judge(kFrame_s, expected);
+    detector.judge(*imu, kFrame_s, expected);
     return detector.at_rest();
   }
   bool still() {
@@ -66,6 +67,7 @@ struct Case {
 
   Camera camera = testing::lens(CameraModel::kPinholeRadtan);
   StandstillParams params;
+  std::unique_ptr<ImuHistory> imu = std::make_unique<ImuHistory>();
   StandstillDetector detector;
   StandstillDetector::Expected expected;
   Random random{6};
@@ -270,6 +272,7 @@ TEST(standstill, reset_forgets) {
   Case c;
   ASSERT_GT(c.run_to_rest(40), 0);
   c.detector.reset();
+  c.imu->clear();
   EXPECT_FALSE(c.detector.at_rest());
   EXPECT_FALSE(c.still()) << "no window of samples yet";
 }
