@@ -35,7 +35,7 @@ void Estimator::configure(const Calibration& calibration, const AppParams& param
 
 void Estimator::configure_tracking() {
   const ImuNoise noise = scaled(calibration_.imu, params_.imu);
-  tracker_.configure(calibration_.camera, calibration_.cameras, noise, params_.tracking,
+  tracker_.configure(calibration_.camera, calibration_.cameras, noise, params_.tracking, frontend_,
                      &keyframe_ring_, &map_mailbox_);
   mapper_.configure(calibration_.camera, noise, params_.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks_.keyframe, sinks_.context);
@@ -95,7 +95,7 @@ Step Estimator::wait_for_map() {
   if (stage_.load(std::memory_order_relaxed) != Stage::kMap) return Step::kIdle;
   if (!map_gate_.ready(mapper_.finished())) return Step::kIdle;
   const TimeNs begin = bsp::cpu_time();
-  gravity_B_ = tracker_.prepare(frontend_);
+  gravity_B_ = tracker_.prepare();
   tracking_ns_ += bsp::cpu_time() - begin;
   frontends_left_.store(kCamerasMax);
   stage_.store(Stage::kFrontend, std::memory_order_release);
@@ -123,10 +123,10 @@ Step Estimator::tracking_step() {
   const TimeNs begin = bsp::cpu_time();
   {
     PIRVS_TRACE("matching");
-    tracker_.match(frontend_);
+    tracker_.match();
   }
   const TimeNs matched = bsp::cpu_time();
-  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present, frontend_);
+  const FrameResult result = tracker_.frame(frame_.t, frame_.images.present);
   tracking_ns_ += bsp::cpu_time() - matched;
   report(result, matched - begin);
   const char* what = event_of(result);

@@ -32,6 +32,8 @@ void ClockCheck::reset() {
   motions_.clear();
 }
 
+// Not the ImuHistory of tracking: there samples count little while a clock is in doubt, and here
+// they decide whether it was set; and thinned out, they reach back as far at any rate of the IMU.
 void ClockCheck::add_imu(const ImuSample& sample) {
   if (history_size_ > 0) {
     const ImuSample& newest = history_[(history_size_ - 1) % kHistory];

@@ -53,6 +53,8 @@ void Frontend::configure(const Camera& camera, const FrontendParams& params) {
 void Frontend::reset() {
   has_image_ = false;
   tracks_.clear();
+  free_slots_.clear();
+  for (int slot = kTracksMax; slot-- > 0;) (void)free_slots_.push_back(static_cast<uint16_t>(slot));
   for (uint8_t& wait : bin_wait_) wait = 0;
 }
 
@@ -89,10 +91,21 @@ void Frontend::follow() {
     if (follow_one(tracks_[i], why)) {
       tracks_[kept++] = tracks_[i];
     } else {
+      release(tracks_[i]);
       losses_.add(why);
     }
   }
   tracks_.resize(kept);
+}
+
+void Frontend::release(const Track& track) {
+  const bool released = free_slots_.push_back(track.slot);
+  PIRVS_ASSERT(released);  // as many slots as there can be tracks
+}
+
+void Frontend::erase(size_t i) {
+  release(tracks_[i]);
+  tracks_.erase_unordered(i);
 }
 
 bool Frontend::follow_one(Track& track, TrackLoss& why) {
@@ -152,7 +165,7 @@ void Frontend::space_out() {
         continue;
       }
       if (tracks_[j].age > tracks_[i].age) std::swap(tracks_[i], tracks_[j]);
-      tracks_.erase_unordered(j);
+      erase(j);
       losses_.add(TrackLoss::kSpacing);
     }
   }
@@ -221,6 +234,8 @@ TrackId Frontend::start_track(float x, float y, const Descriptor* descriptor) {
   if (track == nullptr) return 0;
   *track = Track{};
   track->id = next_id_++;
+  track->slot = free_slots_.back();
+  free_slots_.pop_back();
   track->x = track->x_pred = x;
   track->y = track->y_pred = y;
   if (descriptor != nullptr) {

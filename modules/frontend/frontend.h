@@ -17,7 +17,6 @@
 #include "core/kernels/describe/describe.h"
 #include "core/kernels/image.h"
 #include "core/store/fixed_vector.h"
-#include "core/store/pool.h"
 #include "modules/frontend/frontend_params.h"
 #include "modules/frontend/pyramid_store.h"
 
@@ -25,23 +24,14 @@ namespace pirvs {
 
 using TrackId = uint32_t;  // 0: none
 
-struct Landmark;  // modules/map; to the front-end an association is an opaque tag
-using LandmarkId = Handle<Landmark>;
-
 struct Track {
   TrackId id = 0;
-  LandmarkId landmark;           // the scene point it was matched to; flow passes it on
+  uint16_t slot = 0;             // below kTracksMax, its own while it lives: see track_table.h
   float x = 0, y = 0;            // where it is now
   float x_last = 0, y_last = 0;  // where it was in the previous image
   float x_pred = 0, y_pred = 0;  // where it is expected in the next image
   uint16_t age = 0;              // images since it was detected
-  uint8_t misses = 0;            // consecutive images in which its landmark was gated out
   bool described = false;
-  // Kept by standstill detection: its place, how long it has been there (-1: not yet begun), where
-  // that was when it began to stand, and how often it left a place since it last stood.
-  float x_still = 0, y_still = 0, still_s = -1;
-  float x_stood = 0, y_stood = 0;
-  uint8_t moves = 0;
   Descriptor descriptor{};
 };
 
@@ -71,9 +61,12 @@ class Frontend {
   // descriptors, so that they survive a roll of the device.
   Status process(const ImageView& image, TimeNs t, const Vec3& gravity_C);
 
-  // The caller may erase tracks and set their x_pred, y_pred between two images.
-  Tracks& tracks() { return tracks_; }
   const Tracks& tracks() const { return tracks_; }
+  // Track i, to say between two images where it is expected, or that its place or descriptor is
+  // another.
+  Track& track(size_t i) { return tracks_[i]; }
+  // Ends track i; the last one takes its place in tracks().
+  void erase(size_t i);
   // Starts a track at a place found otherwise (stereo). 0 when full or at the image's edge.
   TrackId start_track(float x, float y, const Descriptor* descriptor);
   // Nearest track within radius_px of a place, or nullptr.
@@ -88,6 +81,7 @@ class Frontend {
   void space_out();
   void detect(const Vec3& gravity_C);
   void describe_track(Track& track, const Vec3& gravity_C) const;
+  void release(const Track& track);
 
   Camera camera_{};
   FrontendParams params_{};
@@ -97,6 +91,7 @@ class Frontend {
   TimeNs t_ = 0;
   TrackId next_id_ = 1;
   Tracks tracks_;
+  FixedVector<uint16_t, kTracksMax> free_slots_;  // of no track, the next one's last
   CounterArray<TrackLoss> losses_;
   DetectionGrid grid_;
   uint8_t bin_wait_[kDetectionCellsMax] = {};

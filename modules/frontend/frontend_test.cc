@@ -11,6 +11,7 @@
 
 #include "core/kernels/corner/corner.h"
 #include "core/kernels/hamming/hamming.h"
+#include "modules/frontend/track_table.h"
 #include "modules/testing.h"
 
 namespace pirvs {
@@ -49,10 +50,10 @@ struct Slide {
     const ImageView view = {pixels.data(), camera.width, camera.height, camera.width};
     return frontend->process(view, t += 50'000'000, gravity_C);
   }
-  Tracks& tracks() { return frontend->tracks(); }
+  const Tracks& tracks() const { return frontend->tracks(); }
   uint32_t lost(TrackLoss loss) const { return frontend->losses()[loss]; }
-  Track* find(TrackId id) {
-    for (Track& track : tracks()) {
+  const Track* find(TrackId id) const {
+    for (const Track& track : tracks()) {
       if (track.id == id) return &track;
     }
     return nullptr;
@@ -194,7 +195,8 @@ TEST(frontend, a_good_prediction_bridges_any_motion) {
   const std::vector<uint8_t> next = s.image(Vec2(60, 0));
   s.frontend->predict(Mat3::Identity());
   size_t expected = 0, followed = 0;
-  for (Track& track : s.tracks()) {
+  for (size_t i = 0; i < s.tracks().size(); ++i) {
+    Track& track = s.frontend->track(i);
     track.x_pred = track.x + 59;
     expected += track.x + 60 < kSide - 20 ? 1 : 0;
   }
@@ -327,6 +329,40 @@ TEST(frontend, reset_drops_tracks_and_never_reuses_their_ids) {
   EXPECT_TRUE(s.tracks().empty());
   ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
   for (const Track& track : s.tracks()) EXPECT_GT(track.id, newest);
+}
+
+TEST(frontend, living_tracks_keep_slots_of_their_own) {
+  Slide s;
+  std::map<TrackId, uint16_t> slot_of;
+  for (int k = 0; k < 30; ++k) {
+    ASSERT_EQ(s.show(s.image(Vec2(9.0 * k, 0))), Status::kOk);
+    if (k % 3 == 0) s.frontend->erase(s.tracks().size() / 2);
+    std::set<uint16_t> taken;
+    for (const Track& track : s.tracks()) {
+      EXPECT_TRUE(taken.insert(track.slot).second) << "two tracks in slot " << track.slot;
+      EXPECT_LT(track.slot, kTracksMax);
+      const auto [known, fresh] = slot_of.insert({track.id, track.slot});
+      EXPECT_TRUE(fresh || known->second == track.slot) << "a slot has changed";
+    }
+  }
+  EXPECT_GT(slot_of.size(), 2 * s.tracks().size()) << "slots must have been used again";
+}
+
+TEST(frontend, a_note_of_a_dead_track_is_not_its_successors) {
+  Slide s;
+  ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);
+  auto notes = std::make_unique<TrackTable<int>>();
+  const Track dead = s.tracks()[3];
+  EXPECT_EQ(notes->find(dead), nullptr);
+  (*notes)[dead] = 7;
+  EXPECT_EQ(notes->get(dead), 7);
+  s.frontend->erase(3);
+  ASSERT_NE(s.frontend->start_track(dead.x, dead.y, nullptr), 0u);
+  const Track next = s.tracks().back();
+  ASSERT_EQ(next.slot, dead.slot) << "the last slot that was left is the next one taken";
+  EXPECT_EQ(notes->find(next), nullptr);
+  EXPECT_EQ((*notes)[next], 0);
+  EXPECT_EQ(notes->find(dead), nullptr) << "nor is the successor's note the dead one's";
 }
 
 // The image is turned by a quarter; gravity turns along, so descriptors must not care.

@@ -22,6 +22,8 @@ inline constexpr size_t kLandmarksMax = 8192;
 
 struct Keyframe;
 using KeyframeId = Handle<Keyframe>;
+struct Landmark;
+using LandmarkId = Handle<Landmark>;
 
 struct Landmark {
   Vec3 p_W = Vec3::Zero();

@@ -15,6 +15,12 @@ namespace pirvs {
 
 using Mat15x6 = Eigen::Matrix<double, 15, 6>;
 
+// How uncertain the map is about one of its places.
+struct MapError {
+  Mat6 cov = Mat6::Zero();
+  Vec3 at = Vec3::Zero();
+};
+
 // d state error / d (theta, p): everything turns about `at`, then shifts. Biases stay.
 inline Mat15x6 rigid_motion(const BodyState& state, const Vec3& at) {
   Mat15x6 G = Mat15x6::Zero();

@@ -60,12 +60,13 @@ const MapPoint* MapView::find(LandmarkId id) const {
 }
 
 int match_by_projection(const MapView& view, const PosePrediction& pose, const Camera& camera,
-                        const MatchingParams& params, Tracks& tracks) {
+                        const MatchingParams& params, const Tracks& tracks,
+                        LandmarkTable& landmarks) {
   FixedVector<uint16_t, kTracksMax> open;  // tracks that look for a point
   static_assert(kLandmarksMax % 64 == 0);
   uint64_t taken[kLandmarksMax / 64] = {};  // points that a track already follows, by slot
   for (size_t i = 0; i < tracks.size(); ++i) {
-    const LandmarkId id = tracks[i].landmark;
+    const LandmarkId id = landmarks.get(tracks[i]);
     if (id.valid()) {
       taken[id.slot / 64] |= uint64_t{1} << (id.slot % 64);
     } else if (tracks[i].described) {
@@ -112,7 +113,7 @@ int match_by_projection(const MapView& view, const PosePrediction& pose, const C
           best[j].distance < best[i].distance || (best[j].distance == best[i].distance && j < i);
     }
     if (beaten) continue;
-    tracks[i].landmark = best[i].landmark;
+    landmarks[tracks[i]] = best[i].landmark;
     ++matched;
   }
   return matched;

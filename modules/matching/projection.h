@@ -1,7 +1,8 @@
 // Finds map points again that no track follows: projects them with the predicted pose and takes the
 // nearest descriptor among the unmatched tracks inside a window that follows from the covariance.
-// In      a MapView, the predicted pose with its 6 x 6 covariance (theta in B, p in W), one camera.
-// Out     Track::landmark of matched tracks.
+// In      a MapView, the predicted pose with its 6 x 6 covariance (theta in B, p in W), one camera
+//         with its tracks, and the landmarks that they show already.
+// Out     the landmarks of newly matched tracks, in the same table.
 // Frames  W, B, C as everywhere.
 // Errors  none; what was looked at and matched is counted.
 // Cost    ~60 ns a candidate point, x86-64.
@@ -9,6 +10,7 @@
 #pragma once
 
 #include "core/camera/camera.h"
+#include "modules/frontend/track_table.h"
 #include "modules/map/messages.h"
 #include "modules/matching/matching_params.h"
 
@@ -40,8 +42,12 @@ struct PosePrediction {
   Mat6 cov = Mat6::Zero();
 };
 
+// The landmark that each track of one camera shows. Not valid: none that is known.
+using LandmarkTable = TrackTable<LandmarkId>;
+
 // Returns the number of new associations.
 int match_by_projection(const MapView& view, const PosePrediction& pose, const Camera& camera,
-                        const MatchingParams& params, Tracks& tracks);
+                        const MatchingParams& params, const Tracks& tracks,
+                        LandmarkTable& landmarks);
 
 }  // namespace pirvs

@@ -49,6 +49,7 @@ struct Scene {
   void add_track(const Vec2& uv, const Descriptor& descriptor) {
     Track track;
     track.id = static_cast<TrackId>(tracks.size() + 1);
+    track.slot = static_cast<uint16_t>(tracks.size());
     track.x = static_cast<float>(uv.x());
     track.y = static_cast<float>(uv.y());
     track.described = true;
@@ -56,11 +57,12 @@ struct Scene {
     ASSERT_TRUE(tracks.push_back(track));
   }
   void assign() { view->assign(*snapshot, T_WB, rig.camera, kCamerasMax); }
-  int match() { return match_by_projection(*view, pose, rig.camera[0], params, tracks); }
+  int match() { return match_by_projection(*view, pose, rig.camera[0], params, tracks, landmarks); }
+  LandmarkId shown(size_t i) const { return landmarks.get(tracks[i]); }
   int right() const {
     int count = 0;
     for (size_t i = 0; i < snapshot->points.size(); ++i) {
-      count += tracks[i].landmark == snapshot->points[i].id ? 1 : 0;
+      count += shown(i) == snapshot->points[i].id ? 1 : 0;
     }
     return count;
   }
@@ -71,6 +73,7 @@ struct Scene {
   PosePrediction pose;
   MatchingParams params;
   Tracks tracks;
+  LandmarkTable landmarks;
   std::unique_ptr<MapSnapshot> snapshot = std::make_unique<MapSnapshot>();
   std::unique_ptr<MapView> view = std::make_unique<MapView>();
 };
@@ -126,7 +129,7 @@ TEST(projection, far_descriptors_are_no_match) {
     s.tracks[i].descriptor = flipped(s.tracks[i].descriptor, i < 20 ? 50 : 70);
   }
   EXPECT_EQ(s.match(), 20);
-  for (size_t i = 0; i < 40; ++i) EXPECT_EQ(s.tracks[i].landmark.valid(), i < 20) << i;
+  for (size_t i = 0; i < 40; ++i) EXPECT_EQ(s.shown(i).valid(), i < 20) << i;
 }
 
 TEST(projection, two_points_alike_in_one_window_are_ambiguous) {
@@ -141,7 +144,7 @@ TEST(projection, two_points_alike_in_one_window_are_ambiguous) {
   EXPECT_EQ(s.match(), 0);
   s.tracks[0].descriptor = d;  // now the first is clearly the better one
   EXPECT_EQ(s.match(), 1);
-  EXPECT_EQ(s.tracks[0].landmark, s.snapshot->points[0].id);
+  EXPECT_EQ(s.shown(0), s.snapshot->points[0].id);
 }
 
 TEST(projection, one_point_goes_to_the_better_of_two_tracks) {
@@ -150,16 +153,16 @@ TEST(projection, one_point_goes_to_the_better_of_two_tracks) {
   s.add_track(Vec2(s.tracks[0].x + 1, s.tracks[0].y), flipped(d, 4));
   s.tracks[0].descriptor = flipped(d, 12);
   EXPECT_EQ(s.match(), 1);
-  EXPECT_FALSE(s.tracks[0].landmark.valid());
-  EXPECT_TRUE(s.tracks[1].landmark.valid());
+  EXPECT_FALSE(s.shown(0).valid());
+  EXPECT_TRUE(s.shown(1).valid());
 }
 
 TEST(projection, followed_points_and_undescribed_tracks_are_left_alone) {
   Scene s(3);
-  s.tracks[0].landmark = s.snapshot->points[1].id;
+  s.landmarks[s.tracks[0]] = s.snapshot->points[1].id;
   s.tracks[2].described = false;
   EXPECT_EQ(s.match(), 0) << "point 1 is taken, track 2 has no descriptor";
-  EXPECT_EQ(s.tracks[0].landmark, s.snapshot->points[1].id);
+  EXPECT_EQ(s.shown(0), s.snapshot->points[1].id);
 }
 
 TEST(projection, points_seen_from_elsewhere_are_not_compared) {

@@ -17,82 +17,75 @@ constexpr double kSlide_px = 0.5;      // of a track at rest
 constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
 constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
 
-// Keeps where the track stays: a place that it leaves is given up for the one where it is now.
-void follow(Track& track, double dt_s, double stay_px) {
-  if (track.still_s < 0) {  // its second image
-    track.x_still = track.x_last;
-    track.y_still = track.y_last;
-    track.still_s = 0;
-  }
-  const double dx = track.x - track.x_still, dy = track.y - track.y_still;
-  if (dx * dx + dy * dy <= stay_px * stay_px) {
-    track.still_s += static_cast<float>(dt_s);
-    const double gain = dt_s / kTrackSettle_s;
-    track.x_still += static_cast<float>(gain * dx);
-    track.y_still += static_cast<float>(gain * dy);
-    return;
-  }
-  track.x_still = track.x;
-  track.y_still = track.y;
-  track.still_s = 0;
-  track.moves = static_cast<uint8_t>(std::min(track.moves + 1, 254));
-}
-
 }  // namespace
 
 void StandstillDetector::reset() {
-  count_ = next_ = sum_count_ = 0;
+  count_ = 0;
+  imu_end_ = 0;
   cells_still_ = cells_ = standing_ = 0;
   left_ = 0;
-  w_sum_.setZero();
-  f_sum_.setZero();
   w_sigma_ = f_sigma_ = 1e9;
-  still_share_ = patience_s_ = rest_s_ = 0;
+  patience_s_ = rest_s_ = 0;
   pushed_ = false;
 }
 
-void StandstillDetector::add_imu(const ImuSample& sample) {
-  const int window = std::min(kWindowMax, static_cast<int>(params_.window_samples));
-  window_[next_] = sample;
-  next_ = (next_ + 1) % window;
-  count_ = std::min(count_ + 1, window);
-  w_sum_ += sample.w_B;
-  f_sum_ += sample.f_B;
-  ++sum_count_;
-}
-
-// What a track that stands has left behind.
-void StandstillDetector::settle(Track& track, bool stood) const {
-  const float dx = track.x - track.x_stood, dy = track.y - track.y_stood;
-  if (stood && !(at_rest() && dx * dx + dy * dy > kSlide_px * kSlide_px)) return;
-  if (at_rest() && (stood || track.moves > 0)) {
-    track.moves = kSlid;
+// Keeps where the track stays: a place that it leaves is given up for the one where it is now.
+void StandstillDetector::follow(const Track& track, double dt_s, double stay_px, Stay& stay) {
+  if (stay.still_s < 0) {  // its second image
+    stay.x = track.x_last;
+    stay.y = track.y_last;
+    stay.still_s = 0;
+  }
+  const double dx = track.x - stay.x, dy = track.y - stay.y;
+  if (dx * dx + dy * dy <= stay_px * stay_px) {
+    stay.still_s += static_cast<float>(dt_s);
+    const double gain = dt_s / kTrackSettle_s;
+    stay.x += static_cast<float>(gain * dx);
+    stay.y += static_cast<float>(gain * dy);
     return;
   }
-  track.x_stood = track.x_still;
-  track.y_stood = track.y_still;
-  track.moves = 0;
+  stay.x = track.x;
+  stay.y = track.y;
+  stay.still_s = 0;
+  stay.moves = static_cast<uint8_t>(std::min(stay.moves + 1, 254));
+}
+
+// A standing track has slid when it stands elsewhere than before while the device rests. Otherwise
+// its place becomes the one to be compared with.
+void StandstillDetector::settle(const Track& track, bool stood, Stay& stay) const {
+  const float dx = track.x - stay.x_stood, dy = track.y - stay.y_stood;
+  if (stood && !(at_rest() && dx * dx + dy * dy > kSlide_px * kSlide_px)) return;
+  if (at_rest() && (stood || stay.moves > 0)) {
+    stay.moves = kSlid;
+    return;
+  }
+  stay.x_stood = stay.x;
+  stay.y_stood = stay.y;
+  stay.moves = 0;
 }
 
 // A track votes once it has moved or has stood for long enough, a cell by the majority of its
 // tracks: what attracts many tracks has no more votes than its share of the image.
-void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, double dt_s) {
+void StandstillDetector::add_tracks(const Camera& camera, int c, const Tracks& tracks,
+                                    double dt_s) {
   int votes[kColumns * kRows] = {};
   bool voted[kColumns * kRows] = {};
-  for (Track& track : tracks) {
+  for (const Track& track : tracks) {
     if (track.age == 0) continue;
-    const bool stood = stands(track);
-    follow(track, dt_s, params_.image_px);
-    if (stands(track)) {
-      settle(track, stood);
+    Stay& stay = stays_[c][track];
+    const bool stood = stands(stay);
+    follow(track, dt_s, params_.image_px, stay);
+    if (stands(stay)) {
+      settle(track, stood, stay);
       ++standing_;
-    } else if (track.moves == 0) {
+    } else if (stay.moves == 0) {
       continue;
     }
-    left_ += stood && !stands(track) ? 1 : 0;
-    const int column = std::clamp(static_cast<int>(track.x) * kColumns / width, 0, kColumns - 1);
-    const int row = std::clamp(static_cast<int>(track.y) * kRows / height, 0, kRows - 1);
-    votes[row * kColumns + column] += stands(track) ? 1 : -1;
+    left_ += stood && !stands(stay) ? 1 : 0;
+    const int column =
+        std::clamp(static_cast<int>(track.x) * kColumns / camera.width, 0, kColumns - 1);
+    const int row = std::clamp(static_cast<int>(track.y) * kRows / camera.height, 0, kRows - 1);
+    votes[row * kColumns + column] += stands(stay) ? 1 : -1;
     voted[row * kColumns + column] = true;
   }
   for (int i = 0; i < kColumns * kRows; ++i) {
@@ -101,27 +94,43 @@ void StandstillDetector::add_tracks(Tracks& tracks, int width, int height, doubl
   }
 }
 
-void StandstillDetector::take_means() {
+void StandstillDetector::take_means(const ImuHistory& imu) {
+  const size_t window = static_cast<size_t>(params_.window_samples);
+  const size_t end = imu.end(), begin = end - std::min(end - imu.begin(), window);
+  count_ = static_cast<int>(end - begin);
+  if (count_ == 0) return;
+  // Summed from the last multiple of `window` on, then what is older: sample n always has the same
+  // place in the sum.
+  const auto for_each = [&](auto&& visit) {
+    const size_t turn = end - end % window;
+    for (size_t i = turn; i < end; ++i) visit(imu[i]);
+    for (size_t i = begin; i < turn; ++i) visit(imu[i]);
+  };
   w_mean_.setZero();
   f_mean_.setZero();
-  for (int i = 0; i < count_; ++i) {
-    w_mean_ += window_[i].w_B;
-    f_mean_ += window_[i].f_B;
-  }
+  for_each([&](const ImuSample& sample) {
+    w_mean_ += sample.w_B;
+    f_mean_ += sample.f_B;
+  });
   w_mean_ /= count_;
   f_mean_ /= count_;
   double w2 = 0, f2 = 0;
-  for (int i = 0; i < count_; ++i) {
-    w2 += (window_[i].w_B - w_mean_).squaredNorm();
-    f2 += (window_[i].f_B - f_mean_).squaredNorm();
-  }
+  for_each([&](const ImuSample& sample) {
+    w2 += (sample.w_B - w_mean_).squaredNorm();
+    f2 += (sample.f_B - f_mean_).squaredNorm();
+  });
   w_sigma_ = std::sqrt(w2 / count_);
   f_sigma_ = std::sqrt(f2 / count_);
-  w_last_ = sum_count_ > 0 ? Vec3(w_sum_ / sum_count_) : w_mean_;
-  f_last_ = sum_count_ > 0 ? Vec3(f_sum_ / sum_count_) : f_mean_;
-  w_sum_.setZero();
-  f_sum_.setZero();
-  sum_count_ = 0;
+  Vec3 w_sum = Vec3::Zero(), f_sum = Vec3::Zero();
+  const size_t first = std::max(imu_end_, imu.begin());
+  for (size_t i = first; i < end; ++i) {
+    w_sum += imu[i].w_B;
+    f_sum += imu[i].f_B;
+  }
+  const int since = static_cast<int>(end - first);
+  w_last_ = since > 0 ? Vec3(w_sum / since) : w_mean_;
+  f_last_ = since > 0 ? Vec3(f_sum / since) : f_mean_;
+  imu_end_ = end;
 }
 
 bool StandstillDetector::imu_quiet() const {
@@ -142,13 +151,13 @@ bool StandstillDetector::stays() const {
          (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
 }
 
-void StandstillDetector::judge(double dt_s, const Expected& expected) {
-  if (count_ > 0) take_means();
-  still_share_ = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
+void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expected& expected) {
+  take_means(imu);
+  const double still_share = cells_ >= kCellsMin ? static_cast<double>(cells_still_) / cells_ : 0.0;
   cells_ = cells_still_ = 0;
   const bool was_at_rest = at_rest();
   const bool image_still =
-      was_at_rest ? still_share_ > kShareToLeave && left_ < standing_ : still_share_ > kShareToRest;
+      was_at_rest ? still_share > kShareToLeave && left_ < standing_ : still_share > kShareToRest;
   left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
   standing_ = 0;
   if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {

@@ -42,6 +42,14 @@ void Filter::propagate(const ImuSample& sample) {
   last_ = sample;
 }
 
+bool Filter::restart(const BodyState& state, const Mat15& cov, const ImuHistory& imu) {
+  size_t i = imu.first_at(state.t);
+  if (i == imu.end() || imu[i].t != state.t) return false;
+  reset(state, cov);
+  for (; i < imu.end(); ++i) propagate(imu[i]);
+  return true;
+}
+
 bool Filter::linearize(const BodyState& at, const Correspondence& c, Reprojection& out) const {
   return linearize_reprojection(at.T_WB, c, camera_[c.camera], T_CB_[c.camera],
                                 params_.point_cov_scale, out);

@@ -11,7 +11,7 @@
 
 #include "core/camera/camera.h"
 #include "modules/imu/gravity.h"
-#include "modules/imu/imu_sample.h"
+#include "modules/imu/imu_history.h"
 #include "modules/map/map.h"
 #include "modules/tracking/mm_reprojection.h"
 #include "modules/tracking/mm_standstill.h"
@@ -40,6 +40,9 @@ class Filter {
 
   // Moves the state to the time of `sample`; the first sample after reset() only sets the start.
   void propagate(const ImuSample& sample);
+  // reset() to a state of the past, then all samples since. False: there is none at its time, and
+  // nothing changes.
+  bool restart(const BodyState& state, const Mat15& cov, const ImuHistory& imu);
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
   int update(Correspondences& correspondences);
   // From a pose alone: reset() and update(), loosely, then tightly. Returns how many were accepted.
@@ -52,7 +55,6 @@ class Filter {
 
   const BodyState& state() const { return state_; }
   const Mat15& cov() const { return cov_; }
-  Vec3 rate_B() const { return last_.w_B - state_.b_g; }
 
  private:
   bool linearize(const BodyState& at, const Correspondence& c, Reprojection& out) const;

@@ -9,17 +9,16 @@
 
 #include "core/math/so3.h"
 #include "modules/imu/gravity.h"
+#include "modules/tracking/epipolar.h"
 
 namespace pirvs {
 namespace {
 
 constexpr int kSightingsMin = 3;
-constexpr int kTracksMin = 20;      // that show parallax, or fit
-constexpr int kPairTracksMin = 12;  // in both keyframes of an epipolar pair
-constexpr int kPairGapMax = 4;      // keyframes apart
+constexpr int kTracksMin = 20;  // that show parallax, or fit
+constexpr int kPairGapMax = 4;  // keyframes apart
 constexpr double kParallax_rad_min = 0.01;
 constexpr double kSigma_px = 1.0;
-constexpr double kHuber_sigma = 2.0;
 constexpr double kMisfit_px = 4.0;
 constexpr double kResidual_px_max = 1.5;  // rms of a fit
 constexpr double kGyroBias_rad_s_max = 0.5;
@@ -27,23 +26,6 @@ constexpr double kGyroBiasSigma_rad_s = 0.1;
 constexpr double kAccelBiasSigma_m_s2 = 0.2;
 constexpr double kDistance_m_min = 0.05;  // nearer points are wrong
 constexpr double kCaution2 = 4.0;         // twice the formal sigma: samples have errors, too
-
-Mat32 tangent_of(const Vec3& g) {
-  Mat32 basis;
-  basis.col(0) = g.unitOrthogonal();
-  basis.col(1) = g.normalized().cross(basis.col(0));
-  return basis;
-}
-
-// Of a symmetric non-negative M, by inverse iteration.
-Vec3 smallest_eigenvector(const Mat3& M) {
-  const Mat3 inverse = (M + Mat3::Identity() * (1e-9 * M.trace() + 1e-15)).inverse();
-  Vec3 v(0.6, 0.48, 0.64);
-  for (int i = 0; i < 16; ++i) v = (inverse * v).normalized();
-  return v;
-}
-
-double huber_weight(double e) { return e > kHuber_sigma ? kHuber_sigma / e : 1.0; }
 
 double huber_cost(double e2) {
   constexpr double kLinear_from = kHuber_sigma * kHuber_sigma;
@@ -83,7 +65,7 @@ void MonoStarter::configure(const Camera& camera, int index, const ImuNoise& noi
   params_ = params;
 }
 
-Status MonoStarter::solve(const ImuWindow& imu, const StartKeyframes& keyframes, MonoStart& out) {
+Status MonoStarter::solve(const ImuHistory& imu, const StartKeyframes& keyframes, MonoStart& out) {
   out = MonoStart{};
   gather(keyframes);
   if (frames_.size() < 4 || tracks_.size() < kTracksMin) return Status::kEmpty;
@@ -159,7 +141,7 @@ int MonoStarter::drop_still_tracks() {
 
 // Over all pairs of near keyframes: sum of (t' (f_i x R_ij(b_g) f_j))^2 over the tracks, least over
 // b_g and one direction t for each pair.
-bool MonoStarter::solve_gyro_bias(const ImuWindow& imu, Vec3& b_g) const {
+bool MonoStarter::solve_gyro_bias(const ImuHistory& imu, Vec3& b_g) const {
   b_g.setZero();
   const int count = static_cast<int>(frames_.size());
   for (int iteration = 0; iteration < 6; ++iteration) {
@@ -186,60 +168,26 @@ bool MonoStarter::solve_gyro_bias(const ImuWindow& imu, Vec3& b_g) const {
 
 bool MonoStarter::add_epipolar_pair(int i, int j, const Preintegration& motion, Mat3& H,
                                     Vec3& g) const {
-  struct Plane {
-    Vec3 n;
-    Mat3 J;  // of n to the bias
-  };
-  FixedVector<Plane, kTracksSeen> planes;
-  Mat3 M = Mat3::Zero();
+  BearingPairs bearings;
   for (const Track& track : tracks_) {
     const Sighting *a = nullptr, *b = nullptr;
     for (const Sighting& s : track.seen) {
       if (s.frame == i) a = &s;
       if (s.frame == j) b = &s;
     }
-    if (a == nullptr || b == nullptr) continue;
-    Plane plane;
-    plane.n = a->f_B.cross(motion.dR * b->f_B);
-    plane.J = -skew(a->f_B) * motion.dR * skew(b->f_B) * motion.dR_dbg;
-    M += plane.n * plane.n.transpose();
-    (void)planes.push_back(plane);
+    if (a != nullptr && b != nullptr) (void)bearings.push_back({a->f_B, b->f_B});
   }
-  if (planes.size() < kPairTracksMin) return false;
-  const Vec3 t = smallest_eigenvector(M);
-  const Mat32 T = tangent_of(t);
-  Mat3 H_bb = Mat3::Zero();
-  Mat32 H_bt = Mat32::Zero();
-  Mat2 H_tt = Mat2::Identity() * 1e-9;
-  Vec3 g_b = Vec3::Zero();
-  Vec2 g_t = Vec2::Zero();
-  const double sigma = kSigma_px / camera_.fx;
-  for (const Plane& plane : planes) {
-    const double r = t.dot(plane.n);
-    const double weight = huber_weight(std::fabs(r) / sigma);
-    const Vec3 J_b = plane.J.transpose() * t;
-    const Vec2 J_t = T.transpose() * plane.n;
-    H_bb += weight * J_b * J_b.transpose();
-    H_bt += weight * J_b * J_t.transpose();
-    H_tt += weight * J_t * J_t.transpose();
-    g_b += weight * r * J_b;
-    g_t += weight * r * J_t;
-  }
-  const Mat2 H_tt_inverse = H_tt.inverse();
-  H += H_bb - H_bt * H_tt_inverse * H_bt.transpose();
-  g += g_b - H_bt * H_tt_inverse * g_t;
-  return true;
+  return add_epipolar_planes(bearings, motion, kSigma_px / camera_.fx, H, g);
 }
 
 // ---- velocity, gravity and points, linear ------------------------------------------------------
 
-bool MonoStarter::solve_linear(const ImuWindow& imu, MonoStart& out) {
+bool MonoStarter::solve_linear(const ImuHistory& imu, MonoStart& out) {
   // Gravity's direction to begin with: the mean force, turned into B0.
   Vec3 force_B0 = Vec3::Zero();
   for (const Frame& frame : frames_) {
-    const auto* sample =
-        std::find_if(imu.begin(), imu.end(), [&](const ImuSample& s) { return s.t >= frame.t; });
-    if (sample != imu.end()) force_B0 += frame.motion.dR * sample->f_B;
+    const size_t at_frame = imu.first_at(frame.t);
+    if (at_frame < imu.end()) force_B0 += frame.motion.dR * imu[at_frame].f_B;
   }
   if (frames_.back().motion.dt_s <= 0 || force_B0.norm() < 1e-3) return false;
   out.g_B0 = -force_B0.normalized() * kGravity_m_s2;

@@ -15,8 +15,9 @@
 
 #include "core/base/status.h"
 #include "core/camera/camera.h"
-#include "modules/imu/imu_window.h"
+#include "modules/imu/imu_history.h"
 #include "modules/map/messages.h"
+#include "modules/tracking/epipolar.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
@@ -38,11 +39,11 @@ class MonoStarter {
  public:
   void configure(const Camera& camera, int index, const ImuNoise& noise,
                  const TrackerParams& params);
-  Status solve(const ImuWindow& imu, const StartKeyframes& keyframes, MonoStart& out);
+  Status solve(const ImuHistory& imu, const StartKeyframes& keyframes, MonoStart& out);
 
  private:
   static constexpr int kFramesMax = static_cast<int>(StartKeyframes::capacity());
-  static constexpr int kTracksSeen = 256;
+  static constexpr int kTracksSeen = static_cast<int>(BearingPairs::capacity());
   struct Sighting {
     int frame;
     Vec2 uv;
@@ -65,9 +66,9 @@ class MonoStarter {
 
   void gather(const StartKeyframes& keyframes);
   int drop_still_tracks();
-  bool solve_gyro_bias(const ImuWindow& imu, Vec3& b_g) const;
+  bool solve_gyro_bias(const ImuHistory& imu, Vec3& b_g) const;
   bool add_epipolar_pair(int i, int j, const Preintegration& motion, Mat3& H, Vec3& g) const;
-  bool solve_linear(const ImuWindow& imu, MonoStart& out);
+  bool solve_linear(const ImuHistory& imu, MonoStart& out);
   double linear_pass(const Vec3& g_start_B0, bool weighted, Vec3& v_B0, Vec3& g_B0);
   bool refine(MonoStart& out);
   SE3 pose(const MonoStart& at, int frame) const;

@@ -32,18 +32,18 @@ struct Case {
     sway.b_a = random.vec(0.05);
   }
   Status solve(int count, int camera = 0) {
-    imu.clear();
+    imu->clear();
     keyframes.clear();
     const int samples = static_cast<int>(std::lround((count - 1) * kKeyframe_s / 0.005));
     for (int i = 0; i <= samples; ++i) {
       ImuSample sample = sway.imu(i * 0.005);
       sample.w_B += random.vec(2e-3);
       sample.f_B = force_scale * sample.f_B + random.vec(2e-2);
-      (void)imu.push_back(sample);
+      imu->add(sample);
     }
     for (int k = 0; k < count; ++k) add_keyframe(k * kKeyframe_s, camera);
     solver->configure(rig.camera[camera], camera, ImuNoise{}, TrackerParams{});
-    return solver->solve(imu, keyframes, start);
+    return solver->solve(*imu, keyframes, start);
   }
   void add_keyframe(double t_s, int camera) {
     KeyframeMessage& message = *keyframes.append();
@@ -73,7 +73,7 @@ struct Case {
   double force_scale = 1;
   size_t outliers = 0;
   std::vector<Vec3> points;
-  ImuWindow imu;
+  std::unique_ptr<ImuHistory> imu = std::make_unique<ImuHistory>();
   StartKeyframes keyframes;
   std::unique_ptr<MonoStarter> solver = std::make_unique<MonoStarter>();
   MonoStart start;
@@ -162,7 +162,7 @@ TEST(mono_start, state_covariance_follows_the_unknowns) {
   Case c(12);
   ASSERT_EQ(c.solve(9), Status::kOk);
   const TimeNs t = c.keyframes.back().state.t;
-  const Preintegration motion = integrate(c.imu, 0, t, c.start.b_g, c.start.b_a, ImuNoise{});
+  const Preintegration motion = integrate(*c.imu, 0, t, c.start.b_g, c.start.b_a, ImuNoise{});
   const Mat15 cov = mono_start_cov(c.start, motion, Mat3::Identity());
   EXPECT_LT((cov - cov.transpose()).norm(), 1e-12);
   const double h = 1e-4;

@@ -52,10 +52,11 @@ Mat3 upright(const Vec3& g_B0, const Mat3& R_heading) {
 }  // namespace
 
 void Starter::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
-                        const TrackerParams& params) {
+                        const TrackerParams& params, const ImuHistory* imu) {
   for (int c = 0; c < kCamerasMax; ++c) camera_[c] = cameras[c];
   T_C1C0_ = camera_[1].T_BC.inverse() * camera_[0].T_BC;
   noise_ = noise;
+  imu_ = imu;
   params_ = params;
   locator_.configure(cameras, noise, filter);
   for (int c = 0; c < kCamerasMax; ++c) mono_[c].configure(cameras[c], c, noise, params);
@@ -63,17 +64,10 @@ void Starter::configure(const Camera* cameras, const ImuNoise& noise, const Filt
 }
 
 void Starter::reset() {
-  imu_.clear();
   frames_.clear();
   points_[0].clear();
   points_[1].clear();
   keyframes_.clear();
-  R_B0B_.setIdentity();
-}
-
-void Starter::add_imu(const ImuSample& sample) {
-  if (frames_.empty()) imu_.clear();  // only what follows frame 0 counts
-  (void)imu_.push_back(sample);       // full: the attempt fails for want of samples
 }
 
 bool Starter::wants_keyframe(TimeNs t) const {
@@ -95,12 +89,11 @@ Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
   T_B0B.R = T_B0B.R * between(frames_.back().t, t, Vec3::Zero()).dR;
   if (frames_.size() > 1) T_B0B.p += T_B0B.p - frames_[frames_.size() - 2].T_B0B.p;
   const int inliers = locate(T_B0B, left, right);
-  if (inliers < kInliersMin || frames_.full()) {
+  if (inliers < kInliersMin || frames_.full() || !imu_->covers(frames_[0].t)) {
     reset();
     return Status::kStale;
   }
   *frames_.append() = {t, T_B0B, keyframe != nullptr};
-  R_B0B_ = T_B0B.R;
   if (keyframe != nullptr) {
     add_points(T_B0B, keyframe);
     add_keyframe(t, keyframe);
@@ -114,9 +107,7 @@ Status Starter::add_frame(TimeNs t, const Tracks& left, const Tracks& right,
 }
 
 Status Starter::begin(TimeNs t, const Observations* keyframe) {
-  const ImuSample* at_frame = imu_.empty() ? nullptr : &imu_.back();
-  if (keyframe == nullptr || at_frame == nullptr || at_frame->t != t) return Status::kStale;
-  const ImuSample first = *at_frame;
+  if (keyframe == nullptr || !has_sample_at(t)) return Status::kStale;
   reset();
   add_points(SE3{}, keyframe);
   if (points_[0].size() < kPointsMin) {
@@ -124,7 +115,6 @@ Status Starter::begin(TimeNs t, const Observations* keyframe) {
     return Status::kStale;
   }
   *frames_.append() = {t, SE3{}, true};
-  (void)imu_.push_back(first);
   add_keyframe(t, keyframe);
   return Status::kEmpty;
 }
@@ -179,7 +169,7 @@ void Starter::add_keyframe(TimeNs t, const Observations* keyframe) {
 }
 
 Preintegration Starter::between(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
-  return integrate(imu_, t0, t1, b_g, Vec3::Zero(), noise_);
+  return integrate(*imu_, t0, t1, b_g, Vec3::Zero(), noise_);
 }
 
 bool Starter::solve_gyro_bias(Vec3& b_g) const {
@@ -293,15 +283,14 @@ void Starter::move(const SE3& T) {
 Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
                                const StandstillDetector& standstill, const SE3& origin) {
   if (keyframe == nullptr) return Status::kEmpty;
-  if (imu_.empty() || imu_.back().t != t || imu_.full() || keyframe[c].size() < kPointsMin) {
+  const bool missing = !has_sample_at(t) || (!idle() && !imu_->covers(keyframes_[0].state.t));
+  if (missing || keyframe[c].size() < kPointsMin) {
     reset();
     return Status::kStale;
   }
   if (frames_.empty()) {
-    const ImuSample first = imu_.back();
     reset();
     *frames_.append() = {t, SE3{}, true};
-    (void)imu_.push_back(first);
   }
   if (keyframes_.full()) forget_oldest_keyframe();
   add_keyframe(t, keyframe);
@@ -311,7 +300,7 @@ Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
     return Status::kOk;
   }
   MonoStart start;
-  if (mono_[c].solve(imu_, keyframes_, start) != Status::kOk) return Status::kEmpty;
+  if (mono_[c].solve(*imu_, keyframes_, start) != Status::kOk) return Status::kEmpty;
   finish_mono(start, origin);
   return Status::kOk;
 }
@@ -319,11 +308,6 @@ Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
 void Starter::forget_oldest_keyframe() {
   for (size_t i = 1; i < keyframes_.size(); ++i) keyframes_[i - 1] = keyframes_[i];
   keyframes_.pop_back();
-  size_t kept = 0;
-  for (const ImuSample& sample : imu_) {
-    if (sample.t >= keyframes_[0].state.t) imu_[kept++] = sample;
-  }
-  imu_.resize(kept);
 }
 
 void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
@@ -333,7 +317,7 @@ void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
   for (size_t i = 0; i < keyframes_.size(); ++i) {
     KeyframeMessage& message = keyframes_[i];
     const TimeNs t = message.state.t;
-    motion = integrate(imu_, keyframes_[0].state.t, t, start.b_g, start.b_a, noise_);
+    motion = integrate(*imu_, keyframes_[0].state.t, t, start.b_g, start.b_a, noise_);
     const double dt_s = motion.dt_s;
     message.state.T_WB.R = R_WB0 * motion.dR;
     message.state.T_WB.p =
@@ -343,7 +327,7 @@ void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
     message.state.b_a = start.b_a;
     if (i == 0) continue;
     message.from_previous =
-        integrate(imu_, keyframes_[i - 1].state.t, t, start.b_g, start.b_a, noise_);
+        integrate(*imu_, keyframes_[i - 1].state.t, t, start.b_g, start.b_a, noise_);
   }
   seal_keyframes();
   cov_ = mono_start_cov(start, motion, R_WB0);

@@ -1,7 +1,7 @@
 // Starts the tracker, at rest or in motion: gravity, gyro bias and velocity from a few frames.
-// In      IMU samples (one of them exactly at each frame's time) and tracks of both cameras, where
-//         points seen by both give metric poses relative to the first frame at once; or of one
-//         camera, where the IMU says how large the motion was (mono_start.h).
+// In      the IMU's history (a sample exactly at each frame's time) and tracks of both cameras,
+//         where points seen by both give metric poses relative to the first frame at once; or of
+//         one camera, where the IMU says how large the motion was (mono_start.h).
 // Out     keyframes of the start in W, ready for mapping; "at rest" or "in motion".
 // Frames  B0: body at the first frame of the attempt. W: gravity along -z, heading and place of
 //         `origin`.
@@ -12,6 +12,7 @@
 //         section V.B (gyro bias, gravity on its sphere).
 #pragma once
 
+#include "modules/imu/imu_history.h"
 #include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/mono_start.h"
@@ -23,10 +24,9 @@ class Starter {
  public:
   static constexpr int kKeyframesMax = static_cast<int>(StartKeyframes::capacity());
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
-                 const TrackerParams& params);
+                 const TrackerParams& params, const ImuHistory* imu);
   void reset();
 
-  void add_imu(const ImuSample& sample);
   // True when this frame should become a keyframe of the start (its stereo matches are needed).
   bool wants_keyframe(TimeNs t) const;
   // kOk: started, keyframes() and state() hold. kEmpty: more frames needed. kStale: see above.
@@ -46,8 +46,6 @@ class Starter {
   const Mat15& cov() const { return cov_; }
   bool at_rest() const { return at_rest_; }
   bool idle() const { return frames_.empty(); }  // no attempt under way
-  // Rotation of the body since frame 0, for flow prediction.
-  Mat3 R_B0B() const { return R_B0B_; }
 
  private:
   struct Frame {
@@ -64,6 +62,7 @@ class Starter {
   static constexpr int kPointsMax = 1024;
 
   Status begin(TimeNs t, const Observations* keyframe);
+  bool has_sample_at(TimeNs t) const { return !imu_->empty() && imu_->newest().t == t; }
   int locate(SE3& T_B0B, const Tracks& left, const Tracks& right);
   void add_points(const SE3& T_B0B, const Observations* keyframe);
   void add_keyframe(TimeNs t, const Observations* keyframe);
@@ -83,12 +82,11 @@ class Starter {
   TrackerParams params_;
   Filter locator_;
   MonoStarter mono_[kCamerasMax];
-  ImuWindow imu_;
+  const ImuHistory* imu_ = nullptr;
   FixedVector<Frame, kFramesMax> frames_;
   FixedVector<Point, kPointsMax> points_[kCamerasMax];
   StartKeyframes keyframes_;
   Correspondences correspondences_;
-  Mat3 R_B0B_ = Mat3::Identity();
   BodyState state_;
   Mat15 cov_ = Mat15::Identity();
   bool at_rest_ = false;

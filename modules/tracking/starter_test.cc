@@ -24,11 +24,13 @@ struct Start {
       const double x = random.uniform(2, 6);
       points.push_back(Vec3(x, random.uniform(-0.5, 0.5) * x, random.uniform(-0.35, 0.35) * x));
     }
-    starter->configure(rig.camera, ImuNoise{}, FilterParams{}, params);
+    starter->configure(rig.camera, ImuNoise{}, FilterParams{}, params, imu.get());
     standstill.configure(limits);
     standstill.reset();
     for (int i = 0; i < 48; ++i) {
       Track track;
+      track.id = static_cast<TrackId>(i + 1);
+      track.slot = static_cast<uint16_t>(i);
       track.x = 47.0f + 94.0f * static_cast<float>(i % 8);
       track.y = 40.0f + 80.0f * static_cast<float>(i / 8);
       (void)seen.push_back(track);
@@ -70,8 +72,7 @@ struct Start {
     ImuSample sample = sway.imu(t_s);
     sample.w_B += random.vec(1e-3);
     sample.f_B = force_scale * sample.f_B + random.vec(1e-2);
-    standstill.add_imu(sample);
-    starter->add_imu(sample);
+    imu->add(sample);
   }
 
   // Frame number k: the samples up to it, then the frame.
@@ -85,8 +86,8 @@ struct Start {
       track.x += static_cast<float>(k % 2 == 0 ? image_motion_px : -image_motion_px);
       ++track.age;
     }
-    standstill.add_tracks(seen, 752, 480, kFrame_s);
-    standstill.judge(kFrame_s, {});
+    standstill.add_tracks(still_lens, 0, seen, kFrame_s);
+    standstill.judge(*imu, kFrame_s, {});
     const bool keyframe = starter->wants_keyframe(from_seconds(t_s));
     return starter->add_frame(from_seconds(t_s), tracks[0], tracks[1],
                               keyframe ? observations : nullptr, standstill, origin);
@@ -118,6 +119,8 @@ struct Start {
   TrackerParams params;
   StandstillParams limits;
   StandstillDetector standstill;
+  Camera still_lens = testing::lens(CameraModel::kPinholeRadtan);
+  std::unique_ptr<ImuHistory> imu = std::make_unique<ImuHistory>();
   std::unique_ptr<Starter> starter = std::make_unique<Starter>();
   std::vector<Vec3> points;
   Tracks tracks[kCamerasMax], seen;

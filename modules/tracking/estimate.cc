@@ -1,0 +1,72 @@
+#include "modules/tracking/estimate.h"
+
+namespace pirvs {
+
+void Estimate::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
+                         double cov_scale, const ImuHistory* history) {
+  filter_.configure(cameras, noise, filter);
+  cov_scale_ = cov_scale;
+  history_ = history;
+}
+
+void Estimate::begin(const BodyState& state, const Mat15& cov) {
+  filter_.reset(state, cov);
+  filter_.propagate(history_->newest());
+  resting_ = false;
+}
+
+bool Estimate::restart(const BodyState& refined, const Mat15& cov, const BodyState& tracked) {
+  if (!filter_.restart(refined, cov, *history_)) return false;
+  resting_ = false;
+  // The last frame was located in the unrefined map: carry it over by the keyframe's shift.
+  T_WB_last_frame_ = tracked.t == refined.t
+                         ? refined.T_WB * tracked.T_WB.inverse() * T_WB_last_frame_
+                         : refined.T_WB;
+  return true;
+}
+
+void Estimate::carry_over(const SE3& T) {
+  BodyState state = filter_.state();
+  move(T, state);
+  const Mat15 A = error_transform(T);
+  filter_.reset(state, A * filter_.cov() * A.transpose());
+  filter_.propagate(history_->newest());
+  resting_ = false;
+  T_WB_last_frame_ = T * T_WB_last_frame_;
+}
+
+void Estimate::relocate(const SE3& T_WB, double sigma_rad, double sigma_m) {
+  BodyState state = filter_.state();
+  state.v_WB = T_WB.R * state.T_WB.R.transpose() * state.v_WB;
+  state.T_WB = T_WB;
+  Mat15 cov = filter_.cov();
+  cov.topRows<6>().setZero();
+  cov.leftCols<6>().setZero();
+  cov.diagonal().head<3>().setConstant(sigma_rad * sigma_rad);
+  cov.diagonal().segment<3>(3).setConstant(sigma_m * sigma_m);
+  filter_.reset(state, cov);
+  filter_.propagate(history_->newest());
+}
+
+void Estimate::stand_still(const StandstillDetector& standstill) {
+  if (!standstill.at_rest()) {
+    resting_ = false;
+  } else if (resting_) {
+    filter_.hold(rest_state_, rest_cov_, standstill.last_rate_B(), standstill.last_force_B());
+  } else {
+    filter_.update_standstill(standstill.mean_rate_B());
+  }
+}
+
+void Estimate::note_rest() {
+  resting_ = true;
+  rest_state_ = filter_.state();
+  rest_cov_ = filter_.cov();
+}
+
+Mat15 Estimate::cov() const {
+  const Mat15x6 G = rigid_motion(filter_.state(), map_error_.at);
+  return cov_scale_ * (filter_.cov() + G * map_error_.cov * G.transpose());
+}
+
+}  // namespace pirvs

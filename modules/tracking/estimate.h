@@ -1,0 +1,64 @@
+// The estimate of the body: the filter, rest, the way back to a refined keyframe, and how uncertain
+// the map is that all of it stands on.
+// In      samples after they were added to `history`; correspondences; keyframes that mapping has
+//         refined.
+// Out     state and covariance, after every sample and frame.
+// Errors  restart: false when the samples since the keyframe are no longer there; nothing changes.
+// Cost    the filter's.
+// Source  PIRVS paper, section IV.B; docs/adr/0007-error-of-the-map.md.
+#pragma once
+
+#include "modules/imu/imu_history.h"
+#include "modules/map/map_error.h"
+#include "modules/standstill/standstill.h"
+#include "modules/tracking/filter.h"
+
+namespace pirvs {
+
+class Estimate {
+ public:
+  void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
+                 double cov_scale, const ImuHistory* history);
+  // A start: the newest sample's time is that of `state`.
+  void begin(const BodyState& state, const Mat15& cov);
+  void propagate(const ImuSample& sample) { filter_.propagate(sample); }
+
+  // The keyframe that was sent as `tracked` is `refined` after an adjustment: goes on from there
+  // with the samples since. What frames since then saw counts no more.
+  bool restart(const BodyState& refined, const Mat15& cov, const BodyState& tracked);
+  // The map was moved by T, and the body with it.
+  void carry_over(const SE3& T);
+  // The place was recognised: the pose is T_WB, as uncertain as that, and depends on nothing else.
+  void relocate(const SE3& T_WB, double sigma_rad, double sigma_m);
+  void set_map_error(const MapError& error) { map_error_ = error; }
+
+  // Before what is seen is fused: at rest the filter goes on from the last frame at rest, not from
+  // what the IMU added since.
+  void stand_still(const StandstillDetector& standstill);
+  void end_rest() { resting_ = false; }
+  // What is seen. Returns how many correspondences were accepted.
+  int update(Correspondences& correspondences) { return filter_.update(correspondences); }
+  // After what is seen was fused: the next frame at rest goes on from here.
+  void note_rest();
+  void end_frame() { T_WB_last_frame_ = filter_.state().T_WB; }
+
+  const BodyState& state() const { return filter_.state(); }
+  const SE3& T_WB_last_frame() const { return T_WB_last_frame_; }
+  Mat6 pose_cov() const { return filter_.cov().topLeftCorner<6, 6>(); }  // against the map
+  const MapError& map_error() const { return map_error_; }
+  // Against where the first start began: the filter's, which is against the map, and the map's own,
+  // both cov_scale times.
+  Mat15 cov() const;
+
+ private:
+  Filter filter_;
+  const ImuHistory* history_ = nullptr;
+  double cov_scale_ = 1;
+  MapError map_error_;
+  SE3 T_WB_last_frame_;
+  bool resting_ = false;  // at the last frame the filter was at rest_state_ with rest_cov_
+  BodyState rest_state_;
+  Mat15 rest_cov_ = Mat15::Zero();
+};
+
+}  // namespace pirvs

@@ -1,0 +1,73 @@
+// Keyframes: when one is due, which of its tracks the other camera sees, the message to mapping.
+// In      poses and tracks as they are; every sample while tracking runs.
+// Out     KeyframeMessage by ring; stereo pairs, which also start tracks in the other camera.
+// Errors  begin: nullptr, send_start: fewer than all: mapping is behind and the ring full.
+// Cost    ~1.2 ms a keyframe, nearly all of it the search for stereo pairs, x86-64.
+// Source  PIRVS paper, section IV.C.
+#pragma once
+
+#include "modules/map/messages.h"
+#include "modules/matching/stereo.h"
+#include "modules/tracking/associator.h"
+#include "modules/tracking/mono_start.h"
+#include "modules/tracking/tracking_params.h"
+
+namespace pirvs {
+
+class Keyframer {
+ public:
+  void configure(const Camera* cameras, const ImuNoise& noise, const TrackerParams& params,
+                 const StereoParams& stereo, KeyframeRing* ring);
+  // Motion since the last keyframe, from one sample to the next.
+  void integrate(const ImuSample& before, const ImuSample& now);
+
+  // For the tracks of camera `c`: has the body moved far enough, or are too few of them known?
+  bool due(TimeNs t, const SE3& T_WB, int c, const Associator& seen) const;
+  // At rest without depth: the keyframe that a first move will be measured from is renewed.
+  bool rest_due(TimeNs t) const;
+
+  // Gives every left track its counterpart in the right image, and the reverse for tracks of known
+  // points: near the projection where the point is known, along the epipolar curve where it is not.
+  // T_WB nullptr: no point is known.
+  void find_pairs(const SE3* T_WB, Associator& seen);
+  void clear_pairs() { pairs_.clear(); }
+  // What is seen now, with the stereo pairs found in it. `observations`: of kCamerasMax cameras.
+  void observe(const Associator& seen, Observations* observations) const;
+
+  // The next message, filled with `state`, what is seen and the motion so far. end() sends it.
+  KeyframeMessage* begin(const BodyState& state, bool at_rest, uint16_t epoch,
+                         const Associator& seen);
+  void end(const KeyframeMessage& message, const BodyState& state);
+  // All keyframes of a start; the next one links to the last of them. Returns how many were sent.
+  size_t send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error);
+
+  // Mapping has refined the last keyframe, or closing a loop has moved it.
+  void refine(const BodyState& state);
+  void move_last(const SE3& T) { move(T, last_); }
+  const BodyState& last() const { return last_; }
+  uint32_t sent() const { return sequence_; }  // so far, the newest one's sequence
+  uint32_t dropped() const { return dropped_; }
+  const StereoMatcher& stereo() const { return stereo_; }
+
+ private:
+  void pair(int from, size_t index, const SE3* T_CW_to, Associator& seen);
+  bool find_counterpart(int from, const Track& track, const SE3* T_CW_to, Associator& seen,
+                        Vec2& uv_to);
+  TrackId place_counterpart(int to, const Vec2& uv_to, const Track& track, LandmarkId landmark,
+                            Associator& seen) const;
+
+  Camera camera_[kCamerasMax];
+  ImuNoise noise_;
+  TrackerParams params_;
+  KeyframeRing* ring_ = nullptr;
+  StereoMatcher stereo_;
+  struct StereoPair {
+    TrackId left, right;
+  };
+  FixedVector<StereoPair, kTracksMax> pairs_;
+  Preintegration since_last_;
+  BodyState last_;
+  uint32_t sequence_ = 0, dropped_ = 0;
+};
+
+}  // namespace pirvs
