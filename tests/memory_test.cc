@@ -146,7 +146,8 @@ TEST(memory, pools_fit_the_share_of_this_board) {
     std::printf("%-16s %10.3f MB\n", pools[i].name, double(pools[i].value) * 0x1p-20);
     sum += pools[i].value;
   }
-  std::printf("%-16s %10.3f MB of %zu\n", "sum", double(sum) * 0x1p-20, size_t{kPoolBytesMax} >> 20);
+  std::printf("%-16s %10.3f MB of %zu\n", "sum", double(sum) * 0x1p-20,
+              size_t{kPoolBytesMax} >> 20);
   EXPECT_LE(sum, size_t{kPoolBytesMax});
   EXPECT_GE(sum, sizeof(App));
 }
