@@ -25,6 +25,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   this->~App();
   new (this) App;
   calibration_ = calibration;
+  params_ = params;
   const AppParams scaled = for_lens(params, calibration.camera[0]);
   sinks_ = sinks;
   DoorListener listener;

@@ -97,11 +97,15 @@ class App {
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
+  Status retune(const char* name, float value);
+  Status save(const char* name);
+  Status load(const char* name);
   Status start_recording();
   Status stop_recording();
   Status start_recorder_core();
 
   Calibration calibration_;
+  AppParams params_;  // as set, for any lens
   AppSinks sinks_;
   Door door_;
   Intake intake_;

@@ -1,6 +1,12 @@
 // What App does when it is told to.
+#include <cstring>
+
 #include "bsp/api/cores.h"
+#include "bsp/api/storage.h"
+#include "core/base/text.h"
 #include "modules/app/app.h"
+#include "modules/app/lens_scale.h"
+#include "modules/map/map_file.h"
 
 namespace pirvs {
 
@@ -53,11 +59,80 @@ Status App::execute(const Command& command) {
   if (!estimator_.mapping_rests()) return Status::kEmpty;
   switch (command.kind) {
     case CommandKind::kReset:
-      estimator_.reset(door_t_);
+      estimator_.reset(door_t_, "reset by command");
       return Status::kOk;
+    case CommandKind::kSetParameter:
+      return retune(command.text, command.value);
+    case CommandKind::kSetPose:
+      if (!command.p_WB.allFinite() || !(command.yaw_rad >= -7 && command.yaw_rad <= 7)) {
+        return Status::kBadData;
+      }
+      return estimator_.set_pose(door_t_, command.p_WB, command.yaw_rad);
+    case CommandKind::kSaveMap:
+      return save(command.text);
+    case CommandKind::kLoadMap:
+      return load(command.text);
     default:
       return Status::kNotFound;
   }
+}
+
+// The door's own are fixed once it is open.
+Status App::retune(const char* name, float value) {
+  AppParams changed = params_;
+  switch (set_parameter(changed, name, value).status) {
+    case ParamStatus::kOk:
+      break;
+    case ParamStatus::kNotFound:
+    case ParamStatus::kAmbiguous:
+      return Status::kNotFound;
+    default:
+      return Status::kBadData;
+  }
+  if (std::memcmp(&changed.door, &params_.door, sizeof changed.door) != 0) return Status::kStale;
+  params_ = changed;
+  estimator_.retune(for_lens(params_, calibration_.camera[0]));
+  return Status::kOk;
+}
+
+// Written beside the old one and then put in its place: whenever power fails, one of them is whole.
+Status App::save(const char* name) {
+  Text<Command::kTextMax + 8> part;
+  part.put(name).put(".part");
+  const Result<bsp::File> opened = bsp::storage_open(part.c_str());
+  if (!opened.ok()) return opened.status();
+  bsp::File file = opened.value();
+  const auto write = [](void* to, const void* data, size_t size) {
+    return bsp::storage_write(*static_cast<bsp::File*>(to), data, size);
+  };
+  Status status = save_map(estimator_.map(), {&file, write});
+  if (status == Status::kOk) status = bsp::storage_sync(file);
+  const Status closed = bsp::storage_close(file);
+  if (status == Status::kOk) status = closed;
+  if (status == Status::kOk) return bsp::storage_rename(part.c_str(), name);
+  (void)bsp::storage_remove(part.c_str());
+  return status;
+}
+
+// Read twice: a file that is not whole changes nothing.
+Status App::load(const char* name) {
+  Status status = Status::kOk;
+  for (const bool verify : {true, false}) {
+    const Result<bsp::File> opened = bsp::storage_open_to_read(name);
+    if (!opened.ok()) return opened.status();
+    bsp::File file = opened.value();
+    const auto read = [](void* from, void* data, size_t size) {
+      const Result<size_t> count = bsp::storage_read(*static_cast<bsp::File*>(from), data, size);
+      if (!count.ok()) return count.status();
+      return count.value() == size ? Status::kOk : Status::kBadData;
+    };
+    const MapSource source = {&file, read};
+    status = verify ? verify_map(source) : estimator_.load_map(door_t_, source);
+    const Status closed = bsp::storage_close(file);
+    if (status == Status::kOk) status = closed;
+    if (status != Status::kOk) break;
+  }
+  return status;
 }
 
 Status App::start_recording() {

@@ -4,6 +4,7 @@
 #include <new>
 
 #include "bsp/api/clock.h"
+#include "core/math/trig.h"
 #include "core/trace/trace.h"
 
 namespace pirvs {
@@ -42,7 +43,7 @@ void Estimator::configure_tracking() {
 }
 
 // A consumer that counts resets sees one more, not a count that begins again.
-void Estimator::reset(TimeNs t) {
+void Estimator::reset(TimeNs t, const char* why) {
   resets_before_ += tracker_.trust().resets + 1;
   tracker_.~Tracker();  // in place: no stack could hold another
   new (&tracker_) Tracker;
@@ -52,7 +53,46 @@ void Estimator::reset(TimeNs t) {
   map_gate_.restart();
   configure_tracking();
   for (Frontend& frontend : frontend_) frontend.reset();
-  tell_health(t, "reset by command");
+  tell_health(t, why);
+}
+
+void Estimator::retune(const AppParams& params) {
+  params_ = params;
+  for (Frontend& frontend : frontend_) frontend.retune(params.frontend);
+  configure_tracking();
+}
+
+Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
+  const SE3 now = tracker_.place();
+  const Vec2 heading = now.R.col(0).head<2>();
+  constexpr double kVertical = 0.05;  // sine of the angle to the vertical
+  if (heading.norm() < kVertical) return Status::kStale;
+  const Vec2 from = heading.normalized();
+  const double c = cosine(yaw_rad), s = sine(yaw_rad);
+  SE3 T;
+  T.R << c * from.x() + s * from.y(), c * from.y() - s * from.x(), 0,  //
+      s * from.x() - c * from.y(), c * from.x() + s * from.y(), 0,     //
+      0, 0, 1;
+  T.p = p_WB - T.R * now.p;
+  mapper_.move_world(T);
+  tracker_.move_world(T);
+  tell_health(t, "pose set by command");
+  return Status::kOk;
+}
+
+Status Estimator::load_map(TimeNs t, const MapSource& source) {
+  reset(t, "gave up what ran for a saved map");
+  PIRVS_TRY(mapper_.load(source));
+  uint32_t sequence = 0;
+  uint16_t epoch = 0;
+  for (size_t slot = 0; slot < mapper_.map().keyframes.capacity(); ++slot) {
+    const Keyframe* keyframe = mapper_.map().keyframes.at(slot);
+    if (keyframe == nullptr) continue;
+    sequence = std::max(sequence, keyframe->sequence);
+    epoch = std::max(epoch, keyframe->epoch);
+  }
+  tracker_.continue_map(sequence, epoch);
+  return Status::kOk;
 }
 
 PoseOutput Estimator::pose() const {

@@ -40,8 +40,17 @@ class Estimator {
   Step wait_for_map();
   Step tracking_step();
   void flush_report();
-  // Forgets map and state; resets are counted on. Only while idle() and mapping_rests().
-  void reset(TimeNs t);
+  // ---- on the door's core, while idle() and mapping_rests() ----
+  // Forgets map and state; resets are counted on.
+  void reset(TimeNs t, const char* why);
+  // Other parameters from now on; what is tracked goes on.
+  void retune(const AppParams& params);
+  // W moves so that the body, or the place where a start would continue, is at p_WB with this
+  // heading of its x axis. kStale: that axis is vertical, there is no heading.
+  Status set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad);
+  // In place of all that is known; a start looks for its place there. Errors as load_map(): the map
+  // is empty then.
+  Status load_map(TimeNs t, const MapSource& source);
 
   PoseOutput pose() const;
   const Tracker& tracker() const { return tracker_; }

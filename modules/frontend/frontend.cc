@@ -45,9 +45,14 @@ DetectionGrid detection_grid(int width, int height, int side_px) {
 
 void Frontend::configure(const Camera& camera, const FrontendParams& params) {
   camera_ = camera;
-  params_ = params;
-  grid_ = detection_grid(camera.width, camera.height, static_cast<int>(params.bin_px));
+  retune(params);
   reset();
+}
+
+void Frontend::retune(const FrontendParams& params) {
+  params_ = params;
+  grid_ = detection_grid(camera_.width, camera_.height, static_cast<int>(params.bin_px));
+  std::fill(std::begin(bin_wait_), std::end(bin_wait_), uint8_t{0});
 }
 
 void Frontend::reset() {

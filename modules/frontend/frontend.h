@@ -54,6 +54,8 @@ class Frontend {
  public:
   void configure(const Camera& camera, const FrontendParams& params);
   void reset();
+  // Other parameters from the next image on; tracks go on.
+  void retune(const FrontendParams& params);
 
   // Expects every track where the camera's turn alone would bring it.
   void predict(const Mat3& R_C1C0);

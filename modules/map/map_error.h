@@ -43,6 +43,13 @@ inline Mat6 error_about(const Vec3& to, const Vec3& from, const Mat6& cov) {
   return A * cov * A.transpose();
 }
 
+// Of a map that a rigid motion T of W has moved: what was along its axes is along the turned ones.
+inline Mat6 turned(const SE3& T, const Mat6& cov) {
+  Mat6 A = Mat6::Zero();
+  A.block<3, 3>(0, 0) = A.block<3, 3>(3, 3) = T.R;
+  return A * cov * A.transpose();
+}
+
 // Of a pose with error (theta in B, p): the map's error about the place of that pose.
 inline Mat6 error_of_pose(const Mat3& R_WB, const Mat6& cov) {
   Mat6 A = Mat6::Identity();

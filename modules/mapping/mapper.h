@@ -10,6 +10,7 @@
 
 #include "core/base/counter.h"
 #include "modules/map/map.h"
+#include "modules/map/map_file.h"
 #include "modules/map/messages.h"
 #include "modules/mapping/bundle.h"
 #include "modules/mapping/loop_closure.h"
@@ -52,6 +53,11 @@ class Mapper {
   bool busy() const { return busy_.load(std::memory_order_acquire) || ring_->size() > 0; }
   uint32_t finished() const { return finished_.load(std::memory_order_acquire); }
 
+  // ---- while it rests ----
+  // W is moved by T, a turn about the vertical and a shift: all that is kept, and published.
+  void move_world(const SE3& T);
+  // The map of an earlier run, into an empty one, published. Errors as load_map().
+  Status load(const MapSource& source);
   const Map& map() const { return map_; }
   const MappingCounters& counters() const { return counters_; }
   // Called with each keyframe that leaves the map, refined as it is then.

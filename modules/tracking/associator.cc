@@ -15,7 +15,6 @@ void Associator::configure(const Camera* cameras, int count, const MatchingParam
   cameras_ = count;
   params_ = params;
   frontends_ = frontends;
-  map_.clear();
 }
 
 void Associator::take(const MapSnapshot& snapshot, const SE3& T_WB, uint32_t newest) {

@@ -22,7 +22,6 @@ void Filter::configure(const Camera* cameras, const ImuNoise& noise, const Filte
   }
   noise_ = noise;
   params_ = params;
-  has_sample_ = false;
 }
 
 void Filter::reset(const BodyState& state, const Mat15& cov) {

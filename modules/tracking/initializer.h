@@ -37,6 +37,7 @@ class Initializer {
                    Keyframer& keyframer, Associator& associator);
   Starter& starter() { return starter_; }
   const SE3& origin() const { return origin_; }
+  void move_origin(const SE3& T) { origin_ = T * origin_; }
   // Of the place where a start at t continues, by how long nothing was tracked.
   Mat6 origin_error(TimeNs t) const;
 

@@ -44,6 +44,7 @@ class Keyframer {
   // Mapping has refined the last keyframe, or closing a loop has moved it.
   void refine(const BodyState& state);
   void move_last(const SE3& T) { move(T, last_); }
+  void continue_after(uint32_t sequence) { sequence_ = sequence; }
   const BodyState& last() const { return last_; }
   uint32_t sent() const { return sequence_; }  // so far, the newest one's sequence
   uint32_t dropped() const { return dropped_; }

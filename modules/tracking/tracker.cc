@@ -92,6 +92,23 @@ void Tracker::take_snapshot() {
   associator_.take(*snapshot, estimate_.state().T_WB, keyframer_.sent());
 }
 
+void Tracker::move_world(const SE3& T) {
+  const SE3 before = place();
+  initializer_.move_origin(T);
+  keyframer_.move_last(T);
+  if (running_) estimate_.carry_over(T);
+  note_jump(before, place(), true);
+}
+
+void Tracker::continue_map(uint32_t sequence, uint16_t epoch) {
+  keyframer_.continue_after(sequence);
+  epochs_ = epoch;
+  const MapSnapshot* snapshot = mailbox_->take();
+  if (snapshot == nullptr) return;
+  estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
+  associator_.take(*snapshot, snapshot->state.T_WB, sequence);
+}
+
 void Tracker::match() {
   if (!running_) return;
   counters_.matched_by_projection +=

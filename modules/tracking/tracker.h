@@ -74,7 +74,8 @@ struct FrameResult {
 
 class Tracker {
  public:
-  // `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist. Front-ends,
+  // Called again: other parameters from now on; what is tracked goes on, an attempt to start begins
+  // anew. `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist. Front-ends,
   // ring and mailbox stay the caller's and outlive the tracker.
   void configure(const Camera* cameras, int count, const ImuNoise& noise,
                  const TrackingParams& params, Frontend* frontends, KeyframeRing* keyframes,
@@ -100,9 +101,18 @@ class Tracker {
   // Time does not go on from the last sample: what runs is lost, a new start continues its place.
   void interrupt();
 
+  // W is moved by T, a turn about the vertical and a shift; mapping has done the same and published
+  // it. Counts as a jump.
+  void move_world(const SE3& T);
+  // The mailbox holds a map of an earlier run, whose newest keyframe is `sequence` and newest epoch
+  // `epoch`: a start looks for its place there. Before any start.
+  void continue_map(uint32_t sequence, uint16_t epoch);
+
   uint32_t sent() const { return keyframer_.sent(); }  // keyframes so far, the newest's sequence
   bool running() const { return running_; }
   const BodyState& state() const { return estimate_.state(); }
+  // The pose, or where a start would continue.
+  const SE3& place() const { return running_ ? state().T_WB : initializer_.origin(); }
   Mat15 cov() const { return estimate_.cov(); }
   HealthState health() const { return health_.state(); }
   const Trust& trust() const { return health_.trust(); }
