@@ -1,14 +1,8 @@
 # PIRVS: every command of the project. `make` alone lists them.
 #
-# Board `host` is built here; the others, without an operating system, by board/bare/bare.mk.
-# A source belongs to one of six sets by its place and name alone; nothing is listed by hand:
-#   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD)
-#   tools     *.cc below tools; the file with main() becomes build/host/pirvs
-#   tests     *_test.cc beside its source: address and UB sanitizers on
-#   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
-#   fuzzers   *.cc below tests/fuzz: the parsers' targets; *_test.cc there replays the corpus
-#   emulated  *.cc below tests/emulator: images without an operating system, run in QEMU
-#   benches   *_bench.cc: Google Benchmark
+# Here is what all boards share. board/<name>/board.mk includes what its kind of board adds:
+# make/host.mk, a PC with every tool and test; make/bare.mk, no operating system.
+# A source belongs to a set by its place and name alone; nothing is listed by hand.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
 .DELETE_ON_ERROR:
@@ -22,15 +16,6 @@ endif
 BOARD ?= host
 BUILD ?= build
 OUT := $(BUILD)/$(BOARD)
-# Unit tests have the address and UB sanitizers, system tests none. SAN=address or SAN=thread gives
-# both kinds that one.
-SAN ?=
-OUT_SAN := $(BUILD)/$(BOARD)$(if $(filter thread,$(SAN)),-tsan,-asan)
-OUT_TESTED := $(if $(SAN),$(OUT_SAN),$(OUT))
-OUT_FUZZ := $(BUILD)/$(BOARD)-fuzz
-ifneq ($(filter-out address thread,$(SAN)),)
-  $(error SAN=$(SAN): there are address and thread)
-endif
 BOARDS := $(patsubst board/%/board.mk,%,$(wildcard board/*/board.mk))
 ifeq ($(filter $(BOARD),$(BOARDS)),)
   $(error no board/$(BOARD)/board.mk; boards: $(BOARDS))
@@ -41,76 +26,32 @@ BARE_BOARDS := $(filter-out host,$(BOARDS))
 # find_cc(folders): every *.cc below those of the folders that exist.
 find_cc = $(if $(wildcard $(1)),$(sort $(shell find $(wildcard $(1)) -name '*.cc' -not -name '.*')))
 
-ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD))
-ALL_TOOLS := $(call find_cc,tools)
-ALL_FUZZ := $(call find_cc,tests/fuzz)
-EMULATOR_SRC := $(call find_cc,tests/emulator)
-ALL_SYSTEMS := $(filter-out $(ALL_FUZZ) $(EMULATOR_SRC),$(call find_cc,tests))
-EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ) $(EMULATOR_SRC)
-
-BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
-TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS)) \
-  $(filter-out %/libfuzzer.cc,$(ALL_FUZZ))
-# Sanitizers bring a malloc of their own: nothing can be counted there.
-SYSTEM_SRC := $(filter-out $(BENCH_SRC) $(if $(SAN),tests/heap_guard.cc tests/memory_test.cc),\
-  $(ALL_SYSTEMS))
-LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
-TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
-MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
-TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
-# The parsers and the sensor door, and no more: clang compiles them a second time.
-FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/base/number.cc modules/app/app_params.cc \
-  modules/calibration/calibration_check.cc \
-  modules/door/door.cc modules/door/imu_guard.cc modules/door/image_guard.cc bsp/replay/% \
-  bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc bsp/linux/console.cc,$(LIB_SRC))
-FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
-  $(filter tools/dataset/% tools/run/fault.cc tools/run/parameters.cc,$(TOOL_SRC)))
-
 # ---- flags -------------------------------------------------------------------------------------
 # COMMON goes into every object, tests and tools too: inline functions of Eigen and core must be the
 # same code wherever the linker takes them from, or results would depend on the order of objects.
 #   -ffp-contract=off, EIGEN_DONT_VECTORIZE   the same bits on x86-64 and AArch64
 #   EIGEN_STACK_ALLOCATION_LIMIT              Eigen never calls malloc for a temporary
 #   -iquote                                   board_limits.h: the board's own, or that of all bare
-ARCH := $(if $(filter host,$(BOARD)),-march=native)
-COMMON := -std=c++17 $(ARCH) -ffp-contract=off -fno-math-errno -Wall -Wextra \
+COMMON = -std=c++17 $(MARCH) -ffp-contract=off -fno-math-errno -Wall -Wextra \
   -DEIGEN_DONT_VECTORIZE -DEIGEN_STACK_ALLOCATION_LIMIT=18446744073709551615ul -DEIGEN_NO_IO \
   -I. -iquote board/$(BOARD) -iquote board/bare -isystem /usr/include/eigen3 \
   -ffile-prefix-map=$(CURDIR)/=
 RELEASE := -O3 -g1
-comma := ,
-# Not among the sanitizers: null (address sees it as well), alignment and object-size, which double
-# the time to compile Eigen and forbid nothing that our chips cannot do.
-SANITIZERS := $(if $(filter thread,$(SAN)),-fsanitize=thread,-fsanitize=address$(comma)undefined \
-  -fno-sanitize=null$(comma)alignment$(comma)object-size)
-# GCC says of maybe-uninitialized that it is wrong where a sanitizer's code stands in between.
-SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all \
-  -Wno-maybe-uninitialized
-FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
-CLANGXX ?= clang++
-
 BELOW_TOOLS := -fno-exceptions -fno-rtti
-TOOLS := -isystem /usr/include/opencv4
-
-LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lpthread
-LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS)
-LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
 .PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench consistency \
-  check format \
-  setup clean FORCE
+  check format setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
-	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' $(firstword $(MAKEFILE_LIST)) | expand -t 22
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile make/host.mk | expand -t 22
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
-	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz)"
+	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz),"
+	@echo "  ARCH=native (all: for this machine's processor alone)"
 	@echo "Without an operating system, BOARD=$(BARE_BOARDS):"
-	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' board/bare/bare.mk | expand -t 28
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' make/bare.mk | expand -t 28
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=rk3399-bare \1\t\2/p' \
 	  board/rk3399-bare/board.mk | expand -t 36
 	@echo "Options: SEQ=recording, DURATION=seconds of it, ARGS='words for the image'"
@@ -136,155 +77,4 @@ $(BUILD)/prof/plugin.so: $(wildcard tools/prof/*.c tools/prof/*.h) | $(BUILD)/se
 	@gcc -O2 -Wall -Wextra -shared -fPIC -fvisibility=hidden $(filter %.c,$^) -o $@.$$$$ \
 	  && mv $@.$$$$ $@
 
-ifneq ($(BOARD),host)
 include board/$(BOARD)/board.mk
-else
-
-all: $(OUT)/pirvs ## build the program, build/host/pirvs
-
-SIM := $(BUILD)/run/sim
-SEQ ?= $(SIM)
-SIMULATED := $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
-run: $(OUT)/pirvs $(SIMULATED) ## SLAM on a simulated recording, or SEQ=path to an ASL folder
-	@mkdir -p $(BUILD)/run
-	@echo "$(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS)"
-	@status=0; $(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS) || status=$$?; \
-	  [ ! -e $(BUILD)/run/report.html ] || echo "report: $(CURDIR)/$(BUILD)/run/report.html"; \
-	  exit $$status
-
-# The stamp is written last, so an interrupted simulation is done again.
-$(SIM).done: | $(OUT)/pirvs
-	@rm -rf $(SIM) && mkdir -p $(dir $(SIM))
-	$(OUT)/pirvs sim --out $(SIM)
-	@touch $@
-
-# T=name runs the tests whose full name (suite.test) contains it. Results for machines are left in
-# build/test/*.json. Unit and system tests run one after the other: timings stay comparable.
-GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
-test: test-unit test-system test-emulator ## every test; T=name those whose name contains it
-
-SAN_OPTIONS := UBSAN_OPTIONS=print_stacktrace=1 TSAN_OPTIONS=suppressions=tests/tsan.supp
-test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
-	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/unit.json
-	$(SAN_OPTIONS) $(OUT_TESTED)/tests --gtest_brief=1 \
-	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
-
-ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
-	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
-	$(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
-	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
-
-# New inputs gather in build/fuzz/NAME; worth keeping: -merge=1 them into tests/fuzz/corpus/NAME.
-SECONDS ?= 600
-fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
-	@mkdir -p $(BUILD)/fuzz/$(T)
-	PIRVS_FUZZ=$(T) $(OUT_FUZZ)/fuzz -max_total_time=$(SECONDS) -max_len=4096 -timeout=20 \
-	  -print_final_stats=1 -artifact_prefix=$(BUILD)/fuzz/ $(BUILD)/fuzz/$(T) tests/fuzz/corpus/$(T)
-
-PROF_PLUGIN := $(BUILD)/prof/plugin.so
-IN_TURN := $(if $(ONE_BY_ONE),test-system)
-test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
-	@$(MAKE) -s BOARD=qemu-virt all
-	@$(MAKE) -s BOARD=rk3399-bare all firmware
-	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
-	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
-	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
-
-bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
-	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
-
-# 50 flights: half an hour of one core.
-FLIGHTS ?= 50
-consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 simulated ones
-	@tools/consistency/consistency --pirvs $(OUT)/pirvs --out $(BUILD)/consistency \
-	  --flights $(FLIGHTS) $(ARGS)
-
-check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
-	@for board in $(BARE_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
-	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \
-	  $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
-
-# ---- build -------------------------------------------------------------------------------------
-# objects(tree, sources)
-objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
-
-LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
-LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
-TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
-TOOL_OBJ_SAN := $(call objects,$(OUT_SAN),$(TOOL_SRC_NO_MAIN))
-MAIN_OBJ := $(call objects,$(OUT),$(MAIN_SRC))
-TEST_OBJ := $(call objects,$(OUT_SAN),$(TEST_SRC))
-SYSTEM_OBJ := $(call objects,$(OUT_TESTED),$(SYSTEM_SRC))
-FUZZ_LIB_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_LIB_SRC))
-FUZZ_TOOL_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_TOOL_SRC))
-BENCH_OBJ := $(call objects,$(OUT),$(BENCH_SRC))
-EMULATOR_OBJ := $(call objects,$(OUT),$(EMULATOR_SRC))
-# What replays and recordings need in both test programs.
-SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(ALL_SYSTEMS)))
-
-$(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
-$(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
-  $(EMULATOR_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
-$(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
-
-# An object appears whole or not at all ($$$$ is the shell's pid): two makes may share one build/.
-define compile
-@mkdir -p $(@D)
-@echo "c++ $<$(if $(filter $(OUT_SAN)/%,$@), (sanitized))"
-@trap 'rm -f $@.$$$$' EXIT; \
-  $(CXX) $(COMMON) $(1) $(KIND) -MMD -MP -MF $@.$$$$.d -MT $@ -c $< -o $@.$$$$ \
-  || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
-endef
-$(OUT)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
-	$(call compile,$(RELEASE))
-$(OUT_SAN)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
-	$(call compile,$(SANITIZE))
-$(OUT_FUZZ)/obj/%.o: %.cc Makefile | $(BUILD)/setup.stamp
-	$(call compile,$(FUZZER) -fsanitize=fuzzer-no-link$(comma)address$(comma)undefined)
-
-# The list changes only when a source comes or goes; then everything is linked again.
-$(BUILD)/sources.list: FORCE
-	@mkdir -p $(@D)
-	@echo "$(EVERYTHING)" | cmp -s - $@ || echo "$(EVERYTHING)" > $@
-
-define archive
-@rm -f $@.$$$$ && ar rcsD $@.$$$$ $(filter %.o,$^) && mv $@.$$$$ $@
-endef
-$(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
-	@mkdir -p $(@D)
-	$(archive)
-$(OUT_SAN)/libpirvs.a: $(LIB_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
-	@mkdir -p $(@D)
-	$(archive)
-$(OUT)/libtools.a: $(TOOL_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
-	@mkdir -p $(@D)
-	$(archive)
-$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
-	@mkdir -p $(@D)
-	$(archive)
-
-define link
-@mkdir -p $(@D)
-@echo "link $@"
-@$(CXX) $(1) $(filter %.o,$^) $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
-endef
-$(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
-	$(call link,$(RELEASE),$(LIBS_TOOLS))
-$(OUT_TESTED)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
-	$(call link,$(SANITIZE),$(LIBS_TEST))
-$(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a
-	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))
-$(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
-	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,$(LIBS_TOOLS))
-$(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
-	$(call link,$(RELEASE),$(LIBS_TEST))
-$(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
-	$(call link,$(RELEASE),$(LIBS_BENCH))
-
-ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
--include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_SAN) $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) \
-  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(EMULATOR_OBJ))
-endif
-
-endif  # BOARD

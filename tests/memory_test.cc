@@ -24,7 +24,7 @@ class Preloaded {
  public:
   explicit Preloaded(const tools::Recording& recording) : recording_(recording) {
     tools::Player player(recording);
-    for (; const StereoFrame* frame = player.front(); player.pop()) {
+    for (; const StereoFrame* frame = player.next(); player.release(frame)) {
       frames_.push_back(*frame);
       for (ImageView& image : frames_.back().image) {
         pixels_.emplace_back(image.data, image.data + image.height * image.stride);
@@ -35,7 +35,7 @@ class Preloaded {
   void rewind() { frame_at_ = imu_at_ = 0; }
 
   bsp::RecordingSource source() {
-    return {this, next_imu, next_frame, [](void*) {}};
+    return {this, next_imu, next_frame, [](void*, FrameId) {}};
   }
   // Counts heap calls from the first item on: by then other cores have been started.
   void arm_on_first(std::optional<HeapGuard>* guard) { guard_ = guard; }

@@ -20,6 +20,7 @@
 #include "board/bare/fault_injection.h"
 #include "board/bare/pin_watch.h"
 #include "board/bare/profile.h"
+#include "board/bare/sensors.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/cycles.h"
@@ -288,7 +289,7 @@ int application() {
   char pace_text[8] = "";
   const bool free = bsp::boot_argument("pace", pace_text, sizeof pace_text) &&
                     std::strcmp(pace_text, "free") == 0;
-  bsp::replay_start(run.pack.source(), bsp::ReplayPace::kFast);
+  play(run.pack.source(), bsp::ReplayPace::kFast);
   AppSinks sinks;
   sinks.frame = on_frame;
   sinks.health = on_health;

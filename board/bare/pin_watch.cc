@@ -74,10 +74,10 @@ int pin_watch() {
   for (TimeNs due = bsp::now() + period; left > 0; due += period) {
     while (bsp::now() < due) bsp::relax();
     bsp::GpioEdge edge;
-    for (Status status = bsp::gpio_poll(edge); status != Status::kEmpty && left > 0; --left) {
+    for (Status status = bsp::gpio_poll(pin, edge); status != Status::kEmpty && left > 0; --left) {
       if (status == Status::kFull) bsp::console_write("edges were lost before this one\n");
       say(edge);
-      status = bsp::gpio_poll(edge);
+      status = bsp::gpio_poll(pin, edge);
     }
   }
   return kDone;

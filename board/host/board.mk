@@ -1,1 +1,2 @@
-# A PC: built by the Makefile itself.
+# A PC.
+include make/host.mk

@@ -1,2 +1,2 @@
 # QEMU's `virt` machine with 4 Cortex-A72.
-include board/bare/bare.mk
+include make/bare.mk

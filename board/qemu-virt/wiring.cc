@@ -2,7 +2,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/gpio.h"
 #include "bsp/bare/interrupts.h"
-#include "bsp/drivers/edge_queue.h"
+#include "bsp/drivers/edge_queues.h"
 #include "bsp/drivers/pl061/pl061.h"
 
 namespace pirvs::bsp {
@@ -11,7 +11,7 @@ namespace {
 constexpr uintptr_t kGpio = 0x0903'0000;
 constexpr uint32_t kGpioInterrupt = 32 + 7;
 
-EdgeQueue edges;
+EdgeQueues edges;
 Pl061 gpio(kGpio, 0, edges);
 
 void handle_gpio(uint32_t, const ExceptionFrame&) {
@@ -45,6 +45,6 @@ Status gpio_watch(Pin pin, EdgeKind kind) {
   return Status::kOk;
 }
 
-Status gpio_poll(GpioEdge& out) { return edges.poll(out); }
+Status gpio_poll(Pin pin, GpioEdge& out) { return edges.poll(pin, out); }
 
 }  // namespace pirvs::bsp

@@ -1,5 +1,5 @@
 # RK3399 behind U-Boot: two Cortex-A72 and four Cortex-A53, and the card that it starts from.
-include board/bare/bare.mk
+include make/bare.mk
 
 UBOOT ?= rock-pi-4-rk3399
 ifeq ($(filter %-rk3399,$(UBOOT)),)

@@ -5,7 +5,7 @@
 #include "bsp/api/i2c.h"
 #include "bsp/api/trigger.h"
 #include "bsp/bare/interrupts.h"
-#include "bsp/drivers/edge_queue.h"
+#include "bsp/drivers/edge_queues.h"
 #include "bsp/drivers/rk3399_gpio/rk3399_gpio.h"
 #include "bsp/drivers/rk3399_i2c/rk3399_i2c.h"
 #include "bsp/drivers/rk3399_pwm/rk3399_pwm.h"
@@ -39,7 +39,7 @@ constexpr uint32_t kGpio4Interrupt = 32 + 18;
 constexpr uintptr_t kI2c7 = 0xff16'0000, kPwm0 = 0xff42'0000, kGpio4 = 0xff79'0000;
 constexpr uint32_t kScl_hz = 400'000;
 
-EdgeQueue edges;
+EdgeQueues edges;
 Rk3399Gpio gpio4(kGpio4, kGpioBank, edges);
 Rk3399I2c i2c7(kI2c7, 0);
 
@@ -83,7 +83,7 @@ Status gpio_watch(Pin pin, EdgeKind kind) {
   return Status::kOk;
 }
 
-Status gpio_poll(GpioEdge& out) { return edges.poll(out); }
+Status gpio_poll(Pin pin, GpioEdge& out) { return edges.poll(pin, out); }
 
 Status i2c_start(int bus, const I2cTransfer& transfer) {
   static bool open = false;

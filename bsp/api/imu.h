@@ -2,10 +2,13 @@
 // In      Poll until kEmpty.
 // Out     The oldest sample not yet polled. t: on the clock of now(), taken in the driver.
 // Frames  B: IMU body. w_B angular rate (rad/s), f_B specific force (m/s^2; +g up at rest).
-// Errors  kEmpty: nothing now. kStale: the stream has ended. kFull: samples were lost before this
-//         one, which is good. kTimeout, kBusFault, kBadData: the device's fault, out is undefined.
-// Cost    A poll never waits.
-// Source  DESIGN, "One way for the data".
+//         imu_temperature: of the chip, in degrees Celsius, the newest that the driver has read.
+// Errors  imu_poll: kEmpty: nothing now. kStale: the stream has ended. kFull: an overrun, samples
+//         were lost before this one, which is good. kTimeout, kBusFault, kBadData: the device's
+//         fault, out is undefined. imu_temperature: kNotFound: the chip does not tell it. kEmpty:
+//         not yet.
+// Cost    Neither ever waits. Both from one core.
+// Source  docs/architecture.md: stamps are taken in the driver.
 #pragma once
 
 #include "core/base/status.h"
@@ -26,6 +29,7 @@ struct ImuSample {
 namespace bsp {
 
 Status imu_poll(ImuSample& out);
+Status imu_temperature(float& degrees_C);
 
 }  // namespace bsp
 }  // namespace pirvs

@@ -56,7 +56,7 @@ Status Pack::check() const {
     if (camera.width > kSideMax || camera.height > kSideMax) return Status::kBadData;
   }
   for (uint32_t i = 0; i < header_->frame_count; ++i) {
-    for (int c = 0; c < 2; ++c) {
+    for (int c = 0; c < kCamerasMax; ++c) {
       const uint64_t offset = frames_[i].image[c];
       if (offset != 0 && !image_fits(offset, header_->camera[c])) return Status::kBadData;
     }
@@ -98,10 +98,11 @@ ImuSample Pack::imu(size_t i) const {
 StereoFrame Pack::frame(size_t i) const {
   StereoFrame out;
   out.t = frames_[i].t;
-  for (int c = 0; c < 2; ++c) {
+  for (int c = 0; c < kCamerasMax; ++c) {
     if (frames_[i].image[c] == 0) continue;
     const PackedCamera& camera = header_->camera[c];
     out.image[c] = {bytes_ + frames_[i].image[c], camera.width, camera.height, camera.width};
+    out.info[c].sequence = static_cast<uint32_t>(i);
     out.present = static_cast<uint8_t>(out.present | 1u << c);
   }
   return out;
@@ -110,7 +111,7 @@ StereoFrame Pack::frame(size_t i) const {
 RecordingSource Pack::source() {
   PIRVS_ASSERT(header_ != nullptr);
   imu_at_ = frame_at_ = 0;
-  return {this, next_imu, next_frame, [](void*) {}};
+  return {this, next_imu, next_frame, [](void*, FrameId) {}};
 }
 
 bool Pack::next_imu(void* context, ImuSample& out) {

@@ -1,7 +1,7 @@
 // A recording packed into one block of bytes: what a boot loader puts in RAM, and what tools/pack
 // writes. The sensors of bsp/replay can be fed from it without a copy.
 // In      A block of memory, 64-byte aligned, that stays as it is while the recording plays.
-// Out     open(): calibration and counts; source(): for replay_start. Layout PackHeader; imu_count
+// Out     open(): calibration and counts; source(): for Replay::start. Layout PackHeader; imu_count
 //         PackedSample; frame_count PackedFrame; then the images as they are, 8-bit grey, rows
 //         without gaps, each at a multiple of 64. Little endian. The checksum covers everything but
 //         itself.
@@ -45,7 +45,7 @@ struct PackHeader {
   uint32_t frame_count;
   int64_t camera_time_offset_ns;
   double gyro_noise, gyro_walk, accel_noise, accel_walk, rate_hz;
-  PackedCamera camera[2];
+  PackedCamera camera[kCamerasMax];
 };
 
 struct PackedSample {
@@ -56,7 +56,8 @@ struct PackedSample {
 
 struct PackedFrame {
   int64_t t;
-  uint64_t image[2];  // offset from the start of the pack; 0: that camera has no image at t
+  uint64_t
+      image[kCamerasMax];  // offset from the start of the pack; 0: that camera has no image at t
 };
 
 static_assert(sizeof(PackedCamera) == 176 && sizeof(PackHeader) == 440, "no gaps, on any machine");

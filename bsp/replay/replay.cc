@@ -2,143 +2,133 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <new>
 
 #include "bsp/api/clock.h"
+#include "bsp/api/events.h"
 #include "bsp/api/tick.h"
-#include "core/base/assert.h"
 
 namespace pirvs::bsp {
-namespace {
 
-// The next item of a stream, fetched before it is due.
-template <class T>
-struct Ahead {
-  T item;
-  TimeNs arrival = 0;
-  bool here = false;
-  bool ended = false;
+void Replay::start(const RecordingSource& source, ReplayPace pace) {
+  this->~Replay();
+  new (this) Replay;
+  source_ = source;
+  pace_ = pace;
+}
 
-  void fetch(bool (*next)(void*, T&), const RecordingSource& source, bool is_frame) {
-    if (here || ended) return;
-    here = next(source.context, item);
-    ended = !here;
-    if (ended) return;
-    arrival = source.arrival != nullptr ? source.arrival(source.context, is_frame) : item.t;
+void Replay::release(FrameId id) {
+  if (!lending_.release(id)) return;
+  source_.release_frame(source_.context, id);
+  lending_.recycle(id);
+}
+
+TimeNs Replay::arrival_of(TimeNs stamp, bool is_frame) const {
+  return source_.arrival != nullptr ? source_.arrival(source_.context, is_frame) : stamp;
+}
+
+void Replay::fetch_imu() {
+  if (imu_.here || imu_.ended) return;
+  imu_.here = source_.next_imu(source_.context, imu_.item);
+  imu_.ended = !imu_.here;
+  if (imu_.here) imu_.arrival = arrival_of(imu_.item.t, false);
+}
+
+// Neither here nor ended: every slot is held.
+void Replay::fetch_frame() {
+  if (frame_.here || frame_.ended) return;
+  const Result<FrameId> id = lending_.lend();
+  if (!id.ok()) return;
+  frame_.item = StereoFrame{};
+  frame_.item.id = id.value();
+  frame_.here = source_.next_frame(source_.context, frame_.item);
+  frame_.item.id = id.value();
+  frame_.ended = !frame_.here;
+  if (frame_.here) frame_.arrival = arrival_of(frame_.item.t, true);
+  if (frame_.ended && lending_.release(id.value())) lending_.recycle(id.value());
+}
+
+void Replay::find_offset() {
+  fetch_imu();
+  fetch_frame();
+  const TimeNs imu_t = imu_.here ? imu_.arrival : INT64_MAX;
+  const TimeNs frame_t = frame_.here ? frame_.arrival : INT64_MAX;
+  offset_ = now() - std::min(imu_t, frame_t);
+  offset_known_ = true;
+}
+
+bool Replay::is_due(TimeNs arrival) {
+  if (!offset_known_) find_offset();
+  if (now() >= arrival + offset_) return true;
+  alarm(arrival + offset_);
+  return false;
+}
+
+// What the poll of a source answers when a recorded order is followed; kOk, kFull: its item is
+// next. The caller goes past the row once it has what the row promises.
+Status Replay::next_row(RecordedArrival::Kind kind, RecordedArrival& row) const {
+  if (!source_.order(source_.context, row)) return Status::kStale;
+  return row.kind == kind ? row.status : Status::kEmpty;
+}
+
+Status Replay::poll(ImuSample& out) {
+  Status status = Status::kOk;
+  if (follows_order()) {
+    RecordedArrival row;
+    row.kind = RecordedArrival::Kind::kOther;
+    status = next_row(RecordedArrival::Kind::kImu, row);
+    if (row.kind != RecordedArrival::Kind::kImu) return status;
+    source_.go_on(source_.context);
+    if (status != Status::kOk && status != Status::kFull) return status;
   }
-};
+  fetch_imu();
+  if (imu_.ended) return Status::kStale;
+  if (pace_ == ReplayPace::kRealTime && !is_due(imu_.arrival)) return Status::kEmpty;
+  imu_.take(out);
+  return status;
+}
 
-struct Replay {
-  RecordingSource source{};
-  ReplayPace pace = ReplayPace::kFast;
-  Ahead<ImuSample> imu;
-  Ahead<StereoFrame> frame;
-  bool frame_lent = false;
-  bool started = false;
-  TimeNs offset = 0;  // now() minus sensor time
-  TimeNs next_tick = 0;
-
-  void fetch_imu() { imu.fetch(source.next_imu, source, false); }
-  void fetch_frame() { frame.fetch(source.next_frame, source, true); }
-
-  bool is_due(TimeNs arrival) {
-    if (!started) start();
-    return now() >= arrival + offset;
-  }
-
-  void start() {
-    fetch_imu();
-    fetch_frame();
-    const TimeNs imu_t = imu.here ? imu.arrival : INT64_MAX;
-    const TimeNs frame_t = frame.here ? frame.arrival : INT64_MAX;
-    offset = now() - std::min(imu_t, frame_t);
-    started = true;
-  }
-
-  bool follows_order() const { return source.order != nullptr && pace == ReplayPace::kFast; }
-
-  // What the poll of a source answers when a recorded order is followed; kOk: its item is next.
-  Status follow(RecordedArrival::Kind kind, RecordedArrival& row) {
-    if (!source.order(source.context, row)) return Status::kStale;
-    if (row.kind != kind) return Status::kEmpty;
-    source.go_on(source.context);
-    return row.status;
-  }
-
-  template <class T>
-  static Status take(Ahead<T>& ahead, T& out) {
-    out = ahead.item;
-    ahead.here = false;
+Status Replay::poll(StereoFrame& out) {
+  if (follows_order()) {
+    RecordedArrival row;
+    const Status status = next_row(RecordedArrival::Kind::kFrame, row);
+    const bool is_next = row.kind == RecordedArrival::Kind::kFrame;
+    if (is_next && status == Status::kOk) fetch_frame();
+    const bool no_slot = status == Status::kOk && !frame_.here && !frame_.ended;
+    if (!is_next || no_slot) return is_next ? Status::kEmpty : status;
+    source_.go_on(source_.context);
+    if (status != Status::kOk) return status;
+    if (frame_.ended) return Status::kStale;
+    frame_.take(out);
     return Status::kOk;
   }
-};
-
-Replay replay;
-
-}  // namespace
-
-void replay_start(const RecordingSource& source, ReplayPace pace) {
-  replay = Replay{};
-  replay.source = source;
-  replay.pace = pace;
-}
-
-Status imu_poll(ImuSample& out) {
-  if (replay.follows_order()) {
-    RecordedArrival row;
-    const Status status = replay.follow(RecordedArrival::Kind::kImu, row);
-    if (status != Status::kOk && status != Status::kFull) return status;
-    replay.fetch_imu();
-    if (replay.imu.ended) return Status::kStale;
-    (void)Replay::take(replay.imu, out);
-    return status;
-  }
-  replay.fetch_imu();
-  if (replay.imu.ended) return Status::kStale;
-  const bool due = replay.pace == ReplayPace::kFast || replay.is_due(replay.imu.arrival);
-  return due ? Replay::take(replay.imu, out) : Status::kEmpty;
-}
-
-Status camera_poll(StereoFrame& out) {
-  PIRVS_ASSERT(!replay.frame_lent);
-  if (replay.follows_order()) {
-    RecordedArrival row;
-    PIRVS_TRY(replay.follow(RecordedArrival::Kind::kFrame, row));
-    replay.fetch_frame();
-    if (replay.frame.ended) return Status::kStale;
-    replay.frame_lent = true;
-    return Replay::take(replay.frame, out);
-  }
-  replay.fetch_frame();
-  if (replay.frame.ended) return Status::kStale;
+  fetch_frame();
+  if (frame_.ended) return Status::kStale;
+  if (!frame_.here) return Status::kEmpty;
   bool due = false;
-  if (replay.pace == ReplayPace::kFast) {
-    replay.fetch_imu();
-    due = replay.imu.ended || replay.frame.arrival < replay.imu.arrival;
+  if (pace_ == ReplayPace::kFast) {
+    fetch_imu();
+    due = imu_.ended || frame_.arrival < imu_.arrival;
   } else {
-    due = replay.is_due(replay.frame.arrival);
+    due = is_due(frame_.arrival);
   }
   if (!due) return Status::kEmpty;
-  replay.frame_lent = true;
-  return Replay::take(replay.frame, out);
-}
-
-Status tick_poll(TimeNs& out) {
-  if (replay.follows_order()) {
-    RecordedArrival row;
-    const Status status = replay.follow(RecordedArrival::Kind::kTick, row);
-    out = row.t;
-    return status;
-  }
-  if (replay.pace == ReplayPace::kFast || now() < replay.next_tick) return Status::kEmpty;
-  out = now();
-  replay.next_tick = out + kTick_ns;
+  frame_.take(out);
   return Status::kOk;
 }
 
-void camera_release() {
-  PIRVS_ASSERT(replay.frame_lent);
-  replay.frame_lent = false;
-  replay.source.release_frame(replay.source.context);
+Status Replay::poll_tick(TimeNs& out) {
+  if (follows_order()) {
+    RecordedArrival row;
+    const Status status = next_row(RecordedArrival::Kind::kTick, row);
+    if (row.kind == RecordedArrival::Kind::kTick) source_.go_on(source_.context);
+    out = row.t;
+    return status;
+  }
+  if (pace_ == ReplayPace::kFast || now() < next_tick_) return Status::kEmpty;
+  out = now();
+  next_tick_ = out + kTick_ns;
+  return Status::kOk;
 }
 
 }  // namespace pirvs::bsp

@@ -15,7 +15,7 @@ bool Scheduler::poll(int core) {
     return false;
   }
   if (!run_first_due(core, Mode::kTimed)) {
-    hooks_.relax();
+    hooks_.wait(core, next_period(core));
     forget_idle(core);  // another core may have left something
   }
   return true;
@@ -34,11 +34,17 @@ bool Scheduler::poll_lockstep() {
   return false;
 }
 
+void Scheduler::stop() {
+  stopped_.store(true, std::memory_order_relaxed);
+  for (size_t i = 0; i < count_; ++i) hooks_.wake(tasks_[i].core);
+}
+
 void Scheduler::trigger(size_t task) {
   PIRVS_ASSERT(task < count_ && tasks_[task].triggered);
   State& state = states_[task];
   // Release: what the caller wrote before is visible to the step.
   if (state.pending.exchange(true, std::memory_order_acq_rel)) ++state.counters.slips;
+  hooks_.wake(tasks_[task].core);
 }
 
 bool Scheduler::run_first_due(int core, Mode mode) {
@@ -47,6 +53,7 @@ bool Scheduler::run_first_due(int core, Mode mode) {
     if (!runs_on(tasks_[i], core) || !is_due(i, now, mode)) continue;
     const Step step = execute(i, now);
     if (step == Step::kAgain) forget_idle(core);
+    if (step == Step::kAgain && mode == Mode::kTimed) wake_others(i);
     states_[i].again = step == Step::kAgain;
     states_[i].idle = step == Step::kIdle;
     return true;
@@ -76,6 +83,23 @@ bool Scheduler::period_has_come(size_t i, TimeNs now) {
   state.counters.slips += static_cast<uint32_t>(missed);
   state.due += (missed + 1) * period;
   return true;
+}
+
+// Release, in the hook: what the step wrote is visible to the steps that it leaves work for.
+void Scheduler::wake_others(size_t i) {
+  for (size_t other = 0; other < count_; ++other) {
+    const bool has_work = (tasks_[i].wakes >> other & 1) != 0;
+    if (has_work && tasks_[other].core != tasks_[i].core) hooks_.wake(tasks_[other].core);
+  }
+}
+
+TimeNs Scheduler::next_period(int core) const {
+  TimeNs next = hooks_.now() + kRest_ns;
+  for (size_t i = 0; i < count_; ++i) {
+    const bool periodic = tasks_[i].period_us > 0 && !tasks_[i].triggered;
+    if (periodic && runs_on(tasks_[i], core)) next = std::min(next, states_[i].due);
+  }
+  return next;
 }
 
 Step Scheduler::execute(size_t i, TimeNs begin) {

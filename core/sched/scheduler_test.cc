@@ -12,7 +12,12 @@ namespace {
 
 // A clock that moves by what steps spend and by 100 us at rest.
 TimeNs fake_time;
-const SchedulerHooks kFakeHooks = {[] { return fake_time; }, [] { fake_time += 100'000; }};
+const SchedulerHooks kFakeHooks = {[] { return fake_time; },
+                                   [](int, TimeNs until) {
+                                     EXPECT_GT(until, fake_time);
+                                     fake_time += 100'000;
+                                   },
+                                   [](int) {}};
 
 // A step that writes its letter, spends some time, and has a number of jobs.
 struct Job {
@@ -114,6 +119,53 @@ TEST_F(SchedulerTest, TriggerRunsARowOnceAndCountsWhatItMissed) {
   EXPECT_EQ(scheduler.counters(0).slips, 1u);
 }
 
+// What the core was told to wait for.
+TimeNs waited_until;
+int woken_core;
+
+TEST_F(SchedulerTest, ACoreWaitsForItsNextPeriodOrForARow) {
+  const SchedulerHooks hooks = {[] { return fake_time; },
+                                [](int core, TimeNs until) {
+                                  EXPECT_EQ(core, 0);
+                                  waited_until = fake_time = until;
+                                },
+                                [](int core) { woken_core = core; }};
+  Job a{'a'}, b{'b'}, c{'c'};
+  a.end = 0;
+  {
+    const Task tasks[] = {{"c", Job::step, &c, 3'000, 10, 1},
+                          {"b", Job::step, &b, 0, 10, 0},
+                          {"a", Job::step, &a, 8'000, 10, 0}};
+    Scheduler scheduler(tasks, hooks);
+    a.scheduler = &scheduler;
+    a.end = 8'000'000;
+    scheduler.run(0);
+    EXPECT_EQ(waited_until, 8'000'000) << "rows of other cores do not count";
+  }
+  fake_time = 0;
+  const Task background[] = {{"a", Job::step, &a, 0, 10, 0}};
+  Scheduler scheduler(background, hooks);
+  a.scheduler = &scheduler;
+  a.end = 1;
+  scheduler.run(0);
+  EXPECT_EQ(waited_until, kRest_ns);
+  EXPECT_EQ(woken_core, 0) << "stop() wakes";
+}
+
+TEST_F(SchedulerTest, ARowThatDidSomethingWakesTheCoresOfThoseThatItNames) {
+  const SchedulerHooks hooks = {[] { return fake_time; }, [](int, TimeNs) { fake_time += 100'000; },
+                                [](int core) { Job::log += static_cast<char>('0' + core); }};
+  Job a{'a', 0, 1}, b{'b'}, c{'c'};
+  const Task tasks[] = {{"a", Job::step, &a, 1'000, 10, 0, false, 1u << 1 | 1u << 2},
+                        {"b", Job::step, &b, 0, 10, 0},
+                        {"c", Job::step, &c, 0, 10, 3}};
+  Scheduler scheduler(tasks, hooks);
+  a.scheduler = &scheduler;
+  a.end = 1'000'000;
+  scheduler.run(0);
+  EXPECT_EQ(Job::log.substr(0, 3), "a3a") << "the row of its own core needs no waking";
+}
+
 TEST_F(SchedulerTest, EachCoreRunsItsOwnRows) {
   Job a{'a'}, b{'b'};
   const Task tasks[] = {{"a", Job::step, &a, 1'000, 10, 0}, {"b", Job::step, &b, 1'000, 10, 1}};
@@ -150,16 +202,16 @@ struct Pipe {
 };
 
 TEST_F(SchedulerTest, TheSameTableRunsInLockstepOnOneCoreOrOnTwo) {
-  const SchedulerHooks hooks = {[] { return TimeNs{0}; }, [] { std::this_thread::yield(); }};
-  for (int way = 0; way < 3; ++way) {
+  const SchedulerHooks hooks = {[] { return TimeNs{0}; },
+                                [](int, TimeNs) { std::this_thread::yield(); }, [](int) {}};
+  for (const bool two : {false, true}) {
     Pipe pipe;
     const Task tasks[] = {{"produce", Pipe::produce, &pipe, 0, 10, 0},
                           {"consume", Pipe::consume, &pipe, 0, 10, 1}};
     Scheduler scheduler(tasks, hooks);
     pipe.scheduler = &scheduler;
-    if (way == 0) scheduler.run_until_idle();
-    if (way == 1) scheduler.run(kAllCores);
-    if (way == 2) {
+    if (!two) scheduler.run_until_idle();
+    if (two) {
       std::thread second([&scheduler] { scheduler.run(1); });
       scheduler.run(0);
       second.join();

@@ -15,20 +15,9 @@
 #include <type_traits>
 
 #include "core/base/status.h"
+#include "core/store/handle.h"
 
 namespace pirvs {
-
-template <class T>
-struct Handle {
-  uint32_t generation = 0;
-  uint16_t slot = 0;
-
-  bool valid() const { return generation != 0; }
-  bool operator==(Handle other) const {
-    return generation == other.generation && slot == other.slot;
-  }
-  bool operator!=(Handle other) const { return !(*this == other); }
-};
 
 template <class T, size_t N>
 class Pool {

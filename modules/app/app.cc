@@ -5,12 +5,16 @@
 #include <new>
 
 #include "bsp/api/clock.h"
+#include "bsp/api/events.h"
 #include "bsp/api/watchdog.h"
 #include "core/trace/trace.h"
 #include "modules/app/lens_scale.h"
 
 namespace pirvs {
 namespace {
+
+static_assert(2 /* door, front-ends */ + Recorder::kFramesHeld <= bsp::kFramesLentMax,
+              "the camera has a frame for whoever holds one");
 
 // For counters(): the scheduler lives from start() to finish() alone.
 void copy_counters(const Scheduler& scheduler, TaskCounters* counters) {
@@ -123,22 +127,24 @@ Status App::start(const CorePlan& plan, Drive drive) {
   PIRVS_ASSERT(drive == Drive::kTimed || plan.cores == 1);
   plan_ = plan;
   drive_ = drive;
+  const auto bits = [](TaskIndex a, TaskIndex b) { return 1u << a | 1u << b; };
   // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
+  // The last column: who may have work when a step has done something.
   const Task tasks[kTasks] = {
       // name         step                                              context  period  budget core
       {"door", [](void* a, TimeNs) { return static_cast<App*>(a)->door_step(); }, this, 0, 200,
-       plan.door},
+       plan.door, false, bits(kLeft, kRight) | 1u << kMapping},
       {"left", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(0); },
-       this, 0, 6'000, plan.left},
+       this, 0, 6'000, plan.left, false, 1u << kTracking},
       {"right", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(1); },
-       this, 0, 6'000, plan.right},
+       this, 0, 6'000, plan.right, false, 1u << kTracking},
       {"tracking", [](void* a, TimeNs) { return static_cast<App*>(a)->tracking_step(); }, this, 0,
-       4'000, plan.tracking},
+       4'000, plan.tracking, false, bits(kDoor, kMapping)},
       {"mapping", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.mapping_step(); },
-       this, 0, 2'000, plan.mapping},
+       this, 0, 2'000, plan.mapping, false, 1u << kDoor},
   };
   std::copy(std::begin(tasks), std::end(tasks), tasks_);
-  scheduler_.emplace(tasks_, SchedulerHooks{bsp::now, bsp::relax, bsp::watchdog_kick});
+  scheduler_.emplace(tasks_, SchedulerHooks{bsp::now, bsp::wait, bsp::wake, bsp::watchdog_kick});
   if (recorder_.started()) PIRVS_TRY(start_recorder_core());
   for (int i = 1; i < plan.cores; ++i) {
     cores_[i] = {&*scheduler_, i};

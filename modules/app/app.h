@@ -66,7 +66,7 @@ class App {
 
   // Any core. Taken in order with what is sensed, answered by AppSinks::answer. kFull: too many
   // wait.
-  Result<uint32_t> command(const Command& command) { return commands_.push(command); }
+  Result<uint32_t> command(const Command& command);
 
   // Commands of a recording, each at its turn; between configure() and start().
   void replay_commands(const CommandSource& source) { replayed_ = source; }

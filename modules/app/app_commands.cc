@@ -2,6 +2,7 @@
 #include <cstring>
 
 #include "bsp/api/cores.h"
+#include "bsp/api/events.h"
 #include "bsp/api/storage.h"
 #include "core/base/text.h"
 #include "modules/app/app.h"
@@ -9,6 +10,13 @@
 #include "modules/map/map_file.h"
 
 namespace pirvs {
+
+// The door's core, which calls poll(), is core 0 in every plan.
+Result<uint32_t> App::command(const Command& command) {
+  const Result<uint32_t> ticket = commands_.push(command);
+  bsp::wake(0);
+  return ticket;
+}
 
 Status App::record() {
   const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
@@ -23,7 +31,8 @@ Status App::record() {
 }
 
 Status App::start_recorder_core() {
-  const auto entry = [](void* r) { static_cast<Recorder*>(r)->run(bsp::relax); };
+  recorder_.set_core(plan_.cores);
+  const auto entry = [](void* r) { static_cast<Recorder*>(r)->run(); };
   return bsp::start_core(plan_.cores, entry, &recorder_);
 }
 

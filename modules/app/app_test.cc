@@ -8,8 +8,8 @@
 #include <thread>
 #include <vector>
 
+#include "board/host/wiring.h"
 #include "bsp/api/clock.h"
-#include "bsp/replay/replay.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs {
@@ -56,7 +56,7 @@ class Still {
   }
 
   bsp::RecordingSource source() {
-    return {this, next_imu, next_frame, [](void*) {}};
+    return {this, next_imu, next_frame, [](void*, FrameId) {}};
   }
 
  private:
@@ -120,12 +120,12 @@ class AppLife : public testing::Test {
 
   void play_fast(Still& still) {
     app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    bsp::replay_start(still.source(), bsp::ReplayPace::kFast);
+    board::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
   }
   void play_live(Still& still) {
     app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    bsp::replay_start(still.source(), bsp::ReplayPace::kRealTime);
+    board::play(still.source(), bsp::ReplayPace::kRealTime);
   }
   static Command command(CommandKind kind) {
     Command out;
@@ -233,7 +233,7 @@ TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {
     Log log;
     app_->configure(Still::calibration(), AppParams{}, log.sinks());
     app_->delay_mapping(3);
-    bsp::replay_start(still.source(), bsp::ReplayPace::kFast);
+    board::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
     EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
               Status::kOk);

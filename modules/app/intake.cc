@@ -99,6 +99,6 @@ bool Intake::poll_tick() {
   return true;
 }
 
-void Intake::release(void*, const StereoFrame&) { bsp::camera_release(); }
+void Intake::release(void*, const StereoFrame& frame) { bsp::camera_release(frame.id); }
 
 }  // namespace pirvs

@@ -1,9 +1,10 @@
 #include "modules/recorder/recorder.h"
 
-#include <cstring>
 #include <iterator>
 
+#include "bsp/api/clock.h"
 #include "bsp/api/console.h"
+#include "bsp/api/events.h"
 #include "core/base/assert.h"
 
 namespace pirvs {
@@ -14,6 +15,7 @@ constexpr const char* kCameraYaml[] = {"mav0/cam0/sensor.yaml", "mav0/cam1/senso
 constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
 static_assert(std::size(kCameraTable) == kCamerasMax);
 
+constexpr int kDoorCore = 0;  // in every plan; a replay waits there until there is room
 constexpr size_t kRow = 12 * TextWriter::kNumber;  // the longest row: a command and its text
 
 }  // namespace
@@ -93,11 +95,7 @@ void Recorder::arrival(const Arrival& arrival) {
   if (row == nullptr) return losses_.add(RecordLoss::kOrderDropped);
   *row = order_row_of(arrival);
   if (arrival.kind == ArrivalKind::kImu && !imu(arrival.imu)) return;
-  if (arrival.kind == ArrivalKind::kFrame) {
-    const Frame* const kept = frame(arrival.frame);
-    if (kept == nullptr) return;
-    row->present = kept->present;
-  }
+  if (arrival.kind == ArrivalKind::kFrame && !frame(arrival.frame)) return;
   order_ring_.end_push();
 }
 
@@ -114,33 +112,21 @@ bool Recorder::imu(const ImuSample& sample) {
   return kept;
 }
 
-const Recorder::Frame* Recorder::frame(const StereoFrame& in) {
-  Frame* const out = frame_ring_.begin_push();
-  if (out == nullptr) {
+bool Recorder::frame(const StereoFrame& frame) {
+  StereoFrame* const held = frame_ring_.begin_push();
+  if (held == nullptr) {
     losses_.add(RecordLoss::kFrameDropped);
-    return nullptr;
+    return false;
   }
-  out->present = 0;
-  for (int c = 0; c < kCamerasMax; ++c) {
-    const ImageView& image = in.image[c];
-    const bool fits = (in.present >> c & 1) != 0 && image.data != nullptr &&
-                      image_fits(image.width, image.height);
-    if (!fits) continue;
-    out->present = static_cast<uint8_t>(out->present | 1u << c);
-    out->t[c] = in.t - in.late[c];
-    out->width[c] = image.width;
-    out->height[c] = image.height;
-    const auto width = static_cast<size_t>(image.width);
-    for (int y = 0; y < image.height; ++y) {
-      std::memcpy(out->pixels[c] + static_cast<size_t>(y) * width, image.row(y), width);
-    }
-  }
+  bsp::camera_retain(frame.id);
+  *held = frame;
   frame_ring_.end_push();
-  return out;  // stays as it is until this core pushes kFrameRing more
+  if (core_ >= 0) bsp::wake(core_);
+  return true;
 }
 
 bool Recorder::has_room() const {
-  return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFrameRing &&
+  return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFramesHeld &&
          order_ring_.size() + 2 * kImuRoom <= kOrderRing;
 }
 
@@ -178,22 +164,28 @@ Status Recorder::write_order(const OrderRow& row) {
   return write_row(order_);
 }
 
-Status Recorder::write_image(const Frame& frame, int c, const char* name) {
+Status Recorder::write_image(const ImageView& image, const char* name) {
   const Result<bsp::File> file = bsp::storage_open(name);
   if (!file.ok()) return file.status();
   Text<64> head;
-  head.put("P5\n").number(frame.width[c]).put(" ").number(frame.height[c]);
+  head.put("P5\n").number(image.width).put(" ").number(image.height);
   head.put("\n255\n");
-  const size_t size = static_cast<size_t>(frame.width[c]) * static_cast<size_t>(frame.height[c]);
   Status status = bsp::storage_write(file.value(), head.c_str(), head.size());
-  if (status == Status::kOk) status = bsp::storage_write(file.value(), frame.pixels[c], size);
+  // Rows without gaps are one block.
+  const bool whole = image.stride == image.width;
+  const int blocks = whole ? 1 : image.height;
+  const auto size =
+      static_cast<size_t>(image.width) * static_cast<size_t>(whole ? image.height : 1);
+  for (int y = 0; y < blocks && status == Status::kOk; ++y) {
+    status = bsp::storage_write(file.value(), image.row(y), size);
+  }
   const Status closed = bsp::storage_close(file.value());
   return status != Status::kOk ? status : closed;
 }
 
-Status Recorder::write_camera(const Frame& frame, int c) {
+Status Recorder::write_camera(const StereoFrame& frame, int c) {
   if (failed_) return Status::kFull;
-  const TimeNs t = frame.t[c];
+  const TimeNs t = frame.t - frame.late[c];
   Text<64> file;
   file.number(t);
   if (t <= last_t_[c]) file.put("_").number(++repeated_names_);  // never over an older one
@@ -201,7 +193,7 @@ Status Recorder::write_camera(const Frame& frame, int c) {
   file.put(".pgm");
   Text<128> path;
   path.put(kCameraImages[c]).put(file.c_str());
-  PIRVS_TRY(write_image(frame, c, path.c_str()));
+  PIRVS_TRY(write_image(frame.image[c], path.c_str()));
   camera_[c].block.number(t).put(",").put(file.c_str()).put("\n");
   return write_row(camera_[c]);
 }
@@ -218,22 +210,30 @@ Step Recorder::step() {
     order_ring_.pop();
     worked = true;
   }
-  Frame* const frame = frame_ring_.front();
+  const StereoFrame* const frame = frame_ring_.front();
   if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
   for (int c = 0; c < kCamerasMax; ++c) {
     if ((frame->present >> c & 1) != 0) check(write_camera(*frame, c));
   }
+  bsp::camera_release(frame->id);
   frame_ring_.pop();
+  if (core_ >= 0) bsp::wake(kDoorCore);
   if (!failed_) ++frames_written_;
   return Step::kAgain;
 }
 
-void Recorder::run(void (*relax)()) {
+void Recorder::stop() {
+  stopping_.store(true, std::memory_order_release);
+  if (core_ >= 0) bsp::wake(core_);
+}
+
+void Recorder::run() {
+  constexpr TimeNs kRest_ns = 50'000'000;  // samples do not wake: their ring is long
   for (;;) {
     const bool last = stopping_.load(std::memory_order_acquire);
     if (step() == Step::kAgain) continue;
     if (last) break;
-    relax();
+    bsp::wait(core_, bsp::now() + kRest_ns);
   }
   finish();
 }

@@ -2,13 +2,14 @@
 // in its way: raw, before any of it is judged, so that a run can be had again.
 // In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in work
 //         used that arrivals do not say. step(): from a core that has time, at best its own.
+//         A frame is held (bsp::camera_retain) until it is written.
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
 //         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a
 //         row for each arrival in its order, so that a replay can follow it (order_row.h).
-// Frames  as the sensors have them. Units: ns, rad/s, m/s^2, grey values.
+// Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
-// Cost    frame(): one copy of the pixels, ~60 us a stereo pair (x86-64). step(): one file.
+// Cost    frame(): no copy of pixels. step(): one file.
 // Source  ASL data set format (Burri et al., IJRR 2016); netpbm, "PGM".
 #pragma once
 
@@ -18,7 +19,6 @@
 #include "bsp/api/imu.h"
 #include "bsp/api/storage.h"
 #include "core/base/counter.h"
-#include "core/base/limits.h"
 #include "core/base/text.h"
 #include "core/camera/camera.h"
 #include "core/sched/scheduler.h"
@@ -34,6 +34,8 @@ const char* name(RecordLoss loss);
 
 class Recorder {
  public:
+  static constexpr size_t kFramesHeld = 6;  // 0.3 s at 20 Hz: a disk's usual stall
+
   // Opens the files and writes the calibration.
   Status start(const Camera* cameras, int count, const ImuNoise& noise,
                TimeNs camera_time_offset_ns);
@@ -47,20 +49,16 @@ class Recorder {
 
   Step step();
   void finish();  // after the last step: writes out what waits and closes
+  // The writer's core, before run() begins there: it is woken when there is a frame to write.
+  void set_core(int core) { core_ = core; }
   // No more will come: run() on the writer's core returns once the rings are empty.
-  void stop() { stopping_.store(true, std::memory_order_release); }
-  void run(void (*relax)());
+  void stop();
+  void run();
 
   const CounterArray<RecordLoss>& losses() const { return losses_; }
   uint32_t frames_written() const { return frames_written_; }
 
  private:
-  struct Frame {
-    TimeNs t[kCamerasMax];
-    uint8_t present;
-    int width[kCamerasMax], height[kCamerasMax];
-    uint8_t pixels[kCamerasMax][kImagePixelsMax];
-  };
   static constexpr size_t kBlock = 4096;
   // A table of text that grows block by block.
   struct Table {
@@ -69,32 +67,31 @@ class Recorder {
     Text<kBlock> block;
   };
 
-  static constexpr size_t kImuRing = 1024;  // 5 s at 200 Hz
-  static constexpr size_t kImuRoom = 256;   // a step of the door takes fewer
-  static constexpr size_t kFrameRing = 6;   // 0.3 s at 20 Hz: a disk's usual stall
-  static constexpr size_t kOrderRing = kImuRing + kFrameRing  // all that waits beside it
-                                       + 512                  // ticks of 5 s
-                                       + 512;                 // faults, decisions
+  static constexpr size_t kImuRing = 1024;                     // 5 s at 200 Hz
+  static constexpr size_t kImuRoom = 256;                      // a step of the door takes fewer
+  static constexpr size_t kOrderRing = kImuRing + kFramesHeld  // all that waits beside it
+                                       + 512                   // ticks of 5 s
+                                       + 512;                  // faults, decisions
 
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
   Status write_imu_yaml(const ImuNoise& noise);
   Status write_text(const char* name, const TextWriter& text);
-  Status write_image(const Frame& frame, int c, const char* name);
+  Status write_image(const ImageView& image, const char* name);
   Status write_row(Table& table);
   Status write_sample(const ImuSample& sample);
-  Status write_camera(const Frame& frame, int c);
+  Status write_camera(const StereoFrame& frame, int c);
   Status write_order(const OrderRow& row);
   bool imu(const ImuSample& sample);
-  // What was taken of it; nullptr: nothing.
-  const Frame* frame(const StereoFrame& frame);
+  bool frame(const StereoFrame& frame);
   void check(Status status);
 
   Ring<ImuSample, kImuRing> imu_ring_;
-  Ring<Frame, kFrameRing> frame_ring_;
+  Ring<StereoFrame, kFramesHeld> frame_ring_;
   Ring<OrderRow, kOrderRing> order_ring_;
   Table imu_, order_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
+  std::atomic<int> core_{-1};         // none: steps are called by hand
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
   bool failed_ = false;
   std::atomic<bool> stopping_{false};

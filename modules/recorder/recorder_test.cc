@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "bsp/api/cores.h"
+#include "board/host/wiring.h"
 #include "bsp/linux/storage.h"
 
 namespace pirvs {
@@ -30,17 +30,31 @@ class recorder : public testing::Test {
       camera.height = 2;
       camera.fx = camera.fy = 1.0 / 3;
     }
+    board::play(camera(), bsp::ReplayPace::kFast);
   }
   ~recorder() override {
     bsp::set_storage_directory(".");
     fs::remove_all(folder_);
   }
-  StereoFrame frame(TimeNs t, uint8_t present = 3) {
-    StereoFrame out;
-    out.t = t;
-    out.present = present;
-    for (ImageView& image : out.image) image = {pixels_.data(), 4, 2, 5};  // wider than it shows
-    return out;
+  // A frame that the camera has lent; the recorder may hold it on.
+  void record(TimeNs t, uint8_t present = 3, TimeNs late_1 = 0) {
+    next_ = StereoFrame{};
+    next_.t = t;
+    next_.present = present;
+    next_.late[1] = late_1;
+    for (ImageView& image : next_.image) image = {pixels_.data(), 4, 2, 5};  // wider than it shows
+    StereoFrame frame;
+    ASSERT_EQ(bsp::camera_poll(frame), Status::kOk);
+    recorder_->arrival(arrival_of(frame));
+    bsp::camera_release(frame.id);
+  }
+  bsp::RecordingSource camera() {
+    return {this, [](void*, ImuSample&) { return false; },
+            [](void* context, StereoFrame& out) {
+              out = static_cast<recorder*>(context)->next_;
+              return true;
+            },
+            [](void* context, FrameId) { ++static_cast<recorder*>(context)->released_; }};
   }
   std::string content(const std::string& file) const {
     std::ostringstream text;
@@ -48,12 +62,15 @@ class recorder : public testing::Test {
     return text.str();
   }
   void write_all() {
+    recorder_->set_core(1);
     recorder_->stop();
-    recorder_->run(bsp::relax);
+    recorder_->run();
   }
 
   fs::path folder_;
   std::string path_;
+  StereoFrame next_;
+  int released_ = 0;
   Camera cameras_[2];
   std::vector<uint8_t> pixels_ = {'a', 'b', 'c', 'd', '-', 'e', 'f', 'g', 'h', '-'};
   std::unique_ptr<Recorder> recorder_ = std::make_unique<Recorder>();
@@ -62,11 +79,10 @@ class recorder : public testing::Test {
 TEST_F(recorder, writes_what_it_is_given) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 4'000'000), Status::kOk);
   recorder_->arrival(arrival_of(ImuSample{5, Vec3(0.1, -1, 0), Vec3(0, 0, 9.81)}));
-  recorder_->arrival(arrival_of(frame(7)));
-  recorder_->arrival(arrival_of(frame(9, 1)));
-  StereoFrame late = frame(11, 3);
-  late.late[1] = 4;
-  recorder_->arrival(arrival_of(late));
+  record(7);
+  record(9, 1);
+  record(11, 3, 4);
+  EXPECT_EQ(released_, 0) << "held until they are written";
   write_all();
   EXPECT_EQ(content("cam0/data/7.pgm"), "P5\n4 2\n255\nabcdefgh");
   EXPECT_EQ(content("cam0/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n9,9.pgm\n11,11.pgm\n");
@@ -76,13 +92,15 @@ TEST_F(recorder, writes_what_it_is_given) {
   EXPECT_NE(content("cam1/sensor.yaml").find("\nresolution: [4, 2]\n"), std::string::npos);
   EXPECT_NE(content("cam1/sensor.yaml").find("\ntimeshift_cam_imu: 0.004\n"), std::string::npos);
   EXPECT_EQ(recorder_->frames_written(), 3u);
+  EXPECT_EQ(released_, 3);
 }
 
 TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
   EXPECT_TRUE(recorder_->has_room());
-  for (TimeNs t = 1; t <= 10; ++t) recorder_->arrival(arrival_of(frame(t)));
+  for (TimeNs t = 1; t <= 10; ++t) record(t);
   EXPECT_FALSE(recorder_->has_room());
+  EXPECT_EQ(released_, 4) << "frames that are dropped go back at once";
   for (TimeNs t = 1; t <= 1500; ++t) {
     recorder_->arrival(arrival_of(ImuSample{t, Vec3::Zero(), Vec3::Zero()}));
   }
@@ -105,8 +123,8 @@ TEST_F(recorder, what_cannot_be_written_later_is_counted) {
   ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
   fs::create_directories(path_ + "/mav0/cam0");
   std::ofstream(path_ + "/mav0/cam0/data") << "in the way";
-  recorder_->arrival(arrival_of(frame(1)));
-  recorder_->arrival(arrival_of(frame(2)));
+  record(1);
+  record(2);
   testing::internal::CaptureStderr();
   write_all();
   EXPECT_NE(testing::internal::GetCapturedStderr().find("the run goes on"), std::string::npos);

@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "board/host/wiring.h"
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
 #include "core/base/assert.h"
@@ -178,7 +179,7 @@ void play_through_the_door(bsp::Pack& pack) {
   door->configure(calibration, DoorParams{}, listener);
   Intake intake;
   intake.configure(door.get());
-  bsp::replay_start(pack.source(), bsp::ReplayPace::kFast);
+  board::play(pack.source(), bsp::ReplayPace::kFast);
   DoorItem item, before;
   bool first = true;
   uint64_t pixels = 0;

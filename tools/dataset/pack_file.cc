@@ -96,7 +96,7 @@ size_t write_pack(const Recording& recording, const std::string& path,
   put_samples(recording, block.data() + samples_at);
   size_t at = images_at;
   Player player(recording);
-  for (size_t i = 0; const StereoFrame* frame = player.front(); player.pop(), ++i) {
+  for (size_t i = 0; const StereoFrame* frame = player.next(); player.release(frame), ++i) {
     bsp::PackedFrame row = {frame->t, {0, 0}};
     for (int c = 0; c < 2; ++c) {
       const ImageView& image = frame->image[c];

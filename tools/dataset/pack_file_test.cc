@@ -75,8 +75,8 @@ TEST(pack, plays_what_the_folder_plays) {
   }
   Player folder_player(folder), pack_player(pack);
   int frames = 0;
-  for (const StereoFrame* a = folder_player.front(); a != nullptr; a = folder_player.front()) {
-    const StereoFrame* const b = pack_player.front();
+  for (const StereoFrame* a = folder_player.next(); a != nullptr; a = folder_player.next()) {
+    const StereoFrame* const b = pack_player.next();
     ASSERT_NE(b, nullptr);
     EXPECT_EQ(a->t, b->t);
     EXPECT_EQ(a->present, b->present);
@@ -87,12 +87,12 @@ TEST(pack, plays_what_the_folder_plays) {
                   0);
       }
     }
-    folder_player.pop();
-    pack_player.pop();
+    folder_player.release(a);
+    pack_player.release(b);
     ++frames;
   }
   EXPECT_EQ(frames, TestRecording::kFrames);
-  EXPECT_EQ(pack_player.front(), nullptr);
+  EXPECT_EQ(pack_player.next(), nullptr);
 }
 
 TEST(pack, a_part_of_a_pack_can_be_played) {

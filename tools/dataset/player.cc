@@ -61,7 +61,7 @@ bool cut_off(const std::vector<uint8_t>& file) {
 
 }  // namespace
 
-Player::Player(const Recording& recording) : recording_(recording), slots_(kFramesAhead) {
+Player::Player(const Recording& recording) : recording_(recording), slots_(kSlots) {
   for (Slot& slot : slots_) {
     for (int c = 0; c < recording.calibration.cameras; ++c) {
       const Camera& camera = recording.calibration.camera[c];
@@ -81,17 +81,20 @@ Player::~Player() {
   decoder_.join();
 }
 
-const StereoFrame* Player::front() {
+const StereoFrame* Player::next() {
   std::unique_lock<std::mutex> lock(mutex_);
-  if (popped_ == recording_.frames.size()) return nullptr;
-  changed_.wait(lock, [this] { return decoded_ > popped_; });
-  return &slots_[popped_ % kFramesAhead].frame;
+  if (played_ == recording_.frames.size()) return nullptr;
+  changed_.wait(lock, [this] { return !ready_.empty(); });
+  const StereoFrame* const frame = &ready_.front()->frame;
+  ready_.pop_front();
+  ++played_;
+  return frame;
 }
 
-void Player::pop() {
+void Player::release(const StereoFrame* frame) {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
-    ++popped_;
+    for (Slot& slot : slots_) slot.free = slot.free || &slot.frame == frame;
   }
   changed_.notify_all();
 }
@@ -127,17 +130,27 @@ void Player::check_first_images() {
   throw InputError("no image can be read", first, "check that the recording is complete");
 }
 
+Player::Slot* Player::wait_for_free_slot() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  auto free = slots_.end();
+  changed_.wait(lock, [&] {
+    free = std::find_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return slot.free; });
+    return stop_ || free != slots_.end();
+  });
+  if (stop_) return nullptr;
+  free->free = false;
+  return &*free;
+}
+
 void Player::decode_all() {
   for (size_t i = 0; i < recording_.frames.size(); ++i) {
-    {
-      std::unique_lock<std::mutex> lock(mutex_);
-      changed_.wait(lock, [&] { return stop_ || i < popped_ + kFramesAhead; });
-      if (stop_) return;
-    }
-    decode_frame(recording_.frames[i], slots_[i % kFramesAhead]);
+    Slot* const slot = wait_for_free_slot();
+    if (slot == nullptr) return;
+    decode_frame(recording_.frames[i], *slot);
+    for (ImageInfo& info : slot->frame.info) info.sequence = uint32_t(i);
     {
       const std::lock_guard<std::mutex> lock(mutex_);
-      decoded_ = i + 1;
+      ready_.push_back(slot);
     }
     changed_.notify_all();
   }

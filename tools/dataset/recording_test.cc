@@ -189,7 +189,7 @@ TEST(player, plays_the_pixels_in_order) {
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
   int frames = 0;
-  while (const StereoFrame* frame = player.front()) {
+  while (const StereoFrame* frame = player.next()) {
     ASSERT_EQ(frame->t, recording.frames[size_t(frames)].t);
     ASSERT_EQ(frame->present, 3);
     for (int c = 0; c < 2; ++c) {
@@ -200,7 +200,7 @@ TEST(player, plays_the_pixels_in_order) {
         }
       }
     }
-    player.pop();
+    player.release(frame);
     ++frames;
   }
   EXPECT_EQ(frames, TestRecording::kFrames);
@@ -211,7 +211,24 @@ TEST(player, stops_in_the_middle) {
   const TestRecording disk;
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
-  ASSERT_NE(player.front(), nullptr);
+  ASSERT_NE(player.next(), nullptr);
+}
+
+TEST(player, frames_held_out_of_order_keep_their_pixels) {
+  const TestRecording disk;
+  const Recording recording = open_recording(disk.folder(), {});
+  Player player(recording);
+  const StereoFrame* const first = player.next();
+  const StereoFrame* const second = player.next();
+  const int pixel = second->image[1].row(5)[7];
+  player.release(first);
+  size_t played = 2;
+  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+    EXPECT_NE(frame, second);
+    EXPECT_EQ(frame->info[0].sequence, played++);
+  }
+  EXPECT_EQ(second->t, recording.frames[1].t);
+  EXPECT_EQ(second->image[1].row(5)[7], pixel);
 }
 
 TEST(player, images_that_cannot_be_read_are_left_out_and_counted) {
@@ -224,7 +241,9 @@ TEST(player, images_that_cannot_be_read_are_left_out_and_counted) {
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
   std::vector<int> present;
-  for (; const StereoFrame* frame = player.front(); player.pop()) present.push_back(frame->present);
+  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+    present.push_back(frame->present);
+  }
   EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 1, 2, 1, 2, 3, 3, 3, 3, 3}));
   EXPECT_EQ(value(player.rejected(), "images_missing"), 1u);
   EXPECT_EQ(value(player.rejected(), "images_cut_off"), 2u);
@@ -243,7 +262,9 @@ TEST(player, a_jpeg_cut_off_is_left_out) {
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
   std::vector<int> present;
-  for (; const StereoFrame* frame = player.front(); player.pop()) present.push_back(frame->present);
+  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+    present.push_back(frame->present);
+  }
   EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3}));
   EXPECT_EQ(value(player.rejected(), "images_cut_off"), 1u);
 }

@@ -109,16 +109,12 @@ void parse_time(std::string_view text, const Row& row, Fault& fault) {
 }
 
 // Every pixel row by row, whatever its stride, and the view on them.
-void hold(const ImageView& image, std::vector<uint8_t>& pixels) {
+void copy(const ImageView& image, std::vector<uint8_t>& pixels) {
+  if (image.data == pixels.data()) return;
   pixels.resize(size_t(image.width) * size_t(image.height));
   for (int y = 0; y < image.height; ++y) {
     std::copy_n(image.row(y), image.width, pixels.begin() + ptrdiff_t(y) * image.width);
   }
-}
-
-void show(const std::vector<uint8_t>& pixels, ImageView& image) {
-  image.data = pixels.data();
-  image.stride = image.width;
 }
 
 }  // namespace
@@ -239,13 +235,14 @@ bool FaultLine::pass(StereoFrame& frame) {
     const bool hit = hits(stage, since, stage.frame_done);
     const bool history =
         stage.fault.kind == FaultKind::kLate || (stage.fault.kind == FaultKind::kFrozen && !hit);
-    StereoFrame whole = frame;
+    const StereoFrame whole = frame;
+    for (int c = 0; history && c < kCamerasMax; ++c) {
+      if ((whole.present >> c & 1) != 0) copy(whole.image[c], stage.next_pixels[c]);
+    }
     if (hit && !break_frame(stage, frame)) return false;
     if (!history) continue;
-    // What is shown of the one before must stay while this one is kept for the next.
-    for (int c = 0; c < 2; ++c) {
-      std::swap(stage.pixels[c], stage.next_pixels[c]);
-      if ((whole.present >> c & 1) != 0) hold(whole.image[c], stage.pixels[c]);
+    for (int c = 0; c < kCamerasMax; ++c) {
+      if ((whole.present >> c & 1) != 0) std::swap(stage.held_pixels[c], stage.next_pixels[c]);
     }
     stage.held_t = whole.t;
     stage.held_present = whole.present;
@@ -285,32 +282,36 @@ bool FaultLine::break_frame(Stage& stage, StereoFrame& frame) {
 }
 
 void FaultLine::break_pixels(Stage& stage, StereoFrame& frame) {
-  for (int c = 0; c < 2; ++c) {
+  for (int c = 0; c < kCamerasMax; ++c) {
     if ((frame.present >> c & 1) == 0) continue;
     const bool has_held = (stage.held_present >> c & 1) != 0;
+    std::vector<uint8_t>& pixels = shown_[frame.id.slot][c];
     switch (stage.fault.kind) {
       case FaultKind::kBlack:
       case FaultKind::kWhite:
-        stage.pixels[c].assign(size_t(frame.image[c].width) * size_t(frame.image[c].height),
-                               stage.fault.kind == FaultKind::kBlack ? 0 : 255);
+        pixels.assign(size_t(frame.image[c].width) * size_t(frame.image[c].height),
+                      stage.fault.kind == FaultKind::kBlack ? 0 : 255);
         break;
       case FaultKind::kGain:
-        hold(frame.image[c], stage.pixels[c]);
-        for (uint8_t& pixel : stage.pixels[c]) {
+        copy(frame.image[c], pixels);
+        for (uint8_t& pixel : pixels) {
           pixel = uint8_t(std::min(255.0, std::round(pixel * stage.fault.value)));
         }
         break;
       case FaultKind::kFrozen:
         if (!has_held) continue;
+        pixels = stage.held_pixels[c];
         break;
       case FaultKind::kLate:
         if (c == 0 || !has_held) continue;
+        pixels = stage.held_pixels[c];
         frame.late[c] = frame.t - stage.held_t;
         break;
       default:
         return;
     }
-    show(stage.pixels[c], frame.image[c]);
+    frame.image[c].data = pixels.data();
+    frame.image[c].stride = frame.image[c].width;
     ++stage.applied;
   }
 }

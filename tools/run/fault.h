@@ -4,7 +4,7 @@
 //         after the recording's first frame: "A-B", from A until before B; "A", one item for what
 //         happens to an item, else from A on. Items in the order of the recording.
 // Out     The items as the sensors would then deliver them; pixels in memory of its own.
-// Frames  as recorded. Units: ns, rad/s, m/s^2, grey values.
+// Units   ns, rad/s, m/s^2, grey values.
 // Errors  InputError: no such kind, a time or value that makes no sense, nothing there to break.
 // Cost    a copy of the images for the kinds that change pixels.
 // Source  issue "Faults by hand"; docs/faults.md says what the stack does about each.
@@ -16,6 +16,7 @@
 
 #include "bsp/api/camera.h"
 #include "bsp/api/imu.h"
+#include "bsp/replay/replay.h"
 #include "tools/dataset/recording.h"
 #include "tools/sim/random.h"
 
@@ -58,7 +59,8 @@ class FaultLine {
  public:
   FaultLine(const std::vector<Fault>& faults, const Recording& recording);
 
-  // false: the item does not arrive. A frame's images stay valid until the next frame passes.
+  // false: the item does not arrive. A frame's images stay valid until another one passes in the
+  // slot of its id.
   bool pass(ImuSample& sample);
   bool pass(StereoFrame& frame);
 
@@ -75,7 +77,7 @@ class FaultLine {
     bool has_held = false;
     TimeNs held_t = 0;
     uint8_t held_present = 0;
-    std::vector<uint8_t> pixels[2], next_pixels[2];
+    std::vector<uint8_t> held_pixels[kCamerasMax], next_pixels[kCamerasMax];
   };
 
   bool hits(Stage& stage, TimeNs since_begin, bool& done);
@@ -84,6 +86,7 @@ class FaultLine {
   void break_pixels(Stage& stage, StereoFrame& frame);
 
   std::vector<Stage> stages_;
+  std::vector<uint8_t> shown_[bsp::kReplayFrames][kCamerasMax];  // by the slot of the frame
   TimeNs first_frame_ = 0;
   TimeNs camera_time_offset_ = 0;
 };

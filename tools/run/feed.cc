@@ -34,11 +34,15 @@ bool Feed::next_imu(void* context, ImuSample& out) {
 
 bool Feed::next_frame(void* context, StereoFrame& out) {
   Feed& feed = *static_cast<Feed*>(context);
-  while (const StereoFrame* const frame = feed.player_.front()) {
+  const FrameId id = out.id;
+  while (const StereoFrame* const frame = feed.player_.next()) {
+    if (feed.on_frame_) feed.on_frame_(feed.player_.frames_played());
     out = *frame;
+    out.id = id;
+    feed.lent_[id.slot] = frame;
     feed.frame_arrival_ = out.t + feed.camera_delay_;
     if (feed.faults_.pass(out)) return true;
-    feed.player_.pop();
+    feed.player_.release(frame);
   }
   return false;
 }
@@ -93,9 +97,9 @@ bool Feed::next_command(void* context, pirvs::Command& out) {
 }
 
 void Feed::release_frame(void* context) {
-  Feed& feed = *static_cast<Feed*>(context);
-  feed.player_.pop();
-  if (feed.on_frame_) feed.on_frame_(feed.player_.frames_played());
-}
+  void Feed::release_frame(void* context, FrameId id) {
+    Feed& feed = *static_cast<Feed*>(context);
+    feed.player_.release(feed.lent_[id.slot]);
+  }
 
 }  // namespace pirvs::tools

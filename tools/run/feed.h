@@ -1,7 +1,7 @@
 // What    A recording as bsp/replay wants it: decoded, through the faults asked for.
 // In      An open Recording, which must outlive the feed; faults, perhaps none; how much later than
 //         its own time a frame comes.
-// Out     source() for bsp::replay_start: items come in the order of recorded time, whatever a fault
+// Out     source() for board::play: items come in the order of recorded time, whatever a fault
 //         does to their stamps; or, as fast as possible, in the recorded order if there is one.
 // Frames  as recorded.
 // Errors  InputError on construction: no image can be read; a fault that cannot happen.
@@ -33,7 +33,7 @@ class Feed {
  private:
   static bool next_imu(void* context, ImuSample& out);
   static bool next_frame(void* context, StereoFrame& out);
-  static void release_frame(void* context);
+  static void release_frame(void* context, FrameId id);
   static TimeNs arrival(void* context, bool frame);
   static bool order(void* context, bsp::RecordedArrival& out);
   static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
@@ -43,6 +43,7 @@ class Feed {
   FaultLine faults_;
   Player player_;
   std::function<void(size_t)> on_frame_;
+  const StereoFrame* lent_[bsp::kReplayFrames] = {};  // by the slot of its id
   TimeNs camera_delay_;  // from a frame's stamp to its arrival, on the IMU's clock
   bool follows_order_;   // faults and a latency would change it
   size_t order_at_ = 0;

@@ -8,6 +8,7 @@
 #include <limits>
 #include <memory>
 
+#include "board/host/wiring.h"
 #include "bsp/linux/storage.h"
 #include "modules/recorder/recorder.h"
 
@@ -39,6 +40,7 @@ class Device {
     door_->configure(calibration(), DoorParams{});
     const Calibration c = calibration();
     EXPECT_EQ(recorder_->start(c.camera, 2, c.imu, c.camera_time_offset_ns), Status::kOk);
+    board::play(camera(), bsp::ReplayPace::kFast);
   }
   void push(const Arrival& arrival, bool at_once = false) {
     at_once = at_once && !door_->is_lost(Sensor::kImu);
@@ -67,7 +69,10 @@ class Device {
     for (int c = 0; c < 2; ++c) {
       if ((present >> c & 1) != 0) out.image[c] = {pixels_.data() + c, kWidth, kHeight, kWidth + 1};
     }
+    next_ = out;
+    ASSERT_EQ(bsp::camera_poll(out), Status::kOk);
     push(arrival_of(out));
+    bsp::camera_release(out.id);
   }
   void finish() {
     push(arrival_of(ArrivalKind::kEnd, Sensor::kImu));
@@ -79,6 +84,17 @@ class Device {
   std::vector<DoorItem> items;
 
  private:
+  // Lends what frame() has made.
+  bsp::RecordingSource camera() {
+    return {this, [](void*, ImuSample&) { return false; },
+            [](void* context, StereoFrame& out) {
+              out = static_cast<Device*>(context)->next_;
+              return true;
+            },
+            [](void*, FrameId) {}};
+  }
+
+  StereoFrame next_;
   int frames_ = 0;
   std::vector<uint8_t> pixels_ = std::vector<uint8_t>((kWidth + 1) * (kHeight + 1), 7);
   std::unique_ptr<Door> door_ = std::make_unique<Door>();
@@ -139,7 +155,7 @@ TEST(feed, a_recorded_run_gives_the_same_items) {
 
   const Recording recording = open_recording(path, {});
   Feed feed(recording);
-  bsp::replay_start(feed.source(), bsp::ReplayPace::kFast);
+  board::play(feed.source(), bsp::ReplayPace::kFast);
   const auto door = std::make_unique<Door>();
   DoorListener listener;
   listener.release = Intake::release;

@@ -30,6 +30,7 @@ Result<bool> Pl061::read(uint8_t line) const {
 
 Status Pl061::watch(uint8_t line, EdgeKind kind) {
   if (line >= kLines) return Status::kNotFound;
+  PIRVS_TRY(edges_.watch({bank_, line}));
   const uint32_t bit = 1u << line;
   registers_.change(kGPIOIE, bit, 0);
   registers_.change(kGPIOIS, bit, 0);  // edges, not levels

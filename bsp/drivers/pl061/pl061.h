@@ -11,7 +11,7 @@
 #include <cstdint>
 
 #include "bsp/api/gpio.h"
-#include "bsp/drivers/edge_queue.h"
+#include "bsp/drivers/edge_queues.h"
 #include "bsp/drivers/register.h"
 
 namespace pirvs::bsp {
@@ -20,7 +20,7 @@ class Pl061 {
  public:
   static constexpr uint8_t kLines = 8;
 
-  Pl061(uintptr_t base, uint8_t bank, EdgeQueue& edges)
+  Pl061(uintptr_t base, uint8_t bank, EdgeQueues& edges)
       : registers_(base), bank_(bank), edges_(edges) {}
 
   Status direction(uint8_t line, PinDirection direction, bool level);
@@ -32,7 +32,7 @@ class Pl061 {
  private:
   Registers registers_;
   uint8_t bank_;
-  EdgeQueue& edges_;
+  EdgeQueues& edges_;
 };
 
 }  // namespace pirvs::bsp

@@ -13,19 +13,19 @@ class Pl061Driver : public testing::Test {
   static constexpr uintptr_t kBase = 0x0903'0000;
   emulated::Pl061Chip chip_;
   emulated::Attachment attachment_{kBase, chip_};
-  EdgeQueue edges_;
+  EdgeQueues edges_;
   Pl061 driver_{kBase, 0, edges_};
 
   void expect_edge(TimeNs t, uint8_t line, bool level, Status status = Status::kOk) {
     GpioEdge edge;
-    EXPECT_EQ(edges_.poll(edge), status);
+    EXPECT_EQ(edges_.poll({0, line}, edge), status);
     EXPECT_EQ(edge.t, t);
     EXPECT_EQ(edge.pin.line, line);
     EXPECT_EQ(edge.level, level);
   }
-  void expect_no_edge() {
+  void expect_no_edge(uint8_t line) {
     GpioEdge edge;
-    EXPECT_EQ(edges_.poll(edge), Status::kEmpty);
+    EXPECT_EQ(edges_.poll({0, line}, edge), Status::kEmpty);
   }
 };
 
@@ -63,7 +63,8 @@ TEST_F(Pl061Driver, ReportsTheWatchedEdgesAlone) {
   chip_.set_input(2, false);
   driver_.handle_interrupt(200);
   expect_edge(200, 2, false);
-  expect_no_edge();
+  expect_no_edge(1);
+  expect_no_edge(2);
 }
 
 TEST_F(Pl061Driver, ReportsBothEdgesWithTheirLevel) {
@@ -98,13 +99,38 @@ TEST_F(Pl061Driver, ForgetsOldEdgesWhenAWatchBegins) {
 
 TEST_F(Pl061Driver, CountsLostEdgesAndSaysSoOnce) {
   EXPECT_EQ(driver_.watch(6, EdgeKind::kBoth), Status::kOk);
-  for (int i = 0; i < 66; ++i) {
+  for (int i = 0; i < 34; ++i) {
     chip_.set_input(6, i % 2 == 0);
     driver_.handle_interrupt(i);
   }
-  EXPECT_EQ(edges_.lost(), 2u);
   expect_edge(0, 6, true, Status::kFull);
   expect_edge(1, 6, false);
+}
+
+TEST_F(Pl061Driver, EachPinHasAQueueOfItsOwn) {
+  EXPECT_EQ(driver_.watch(6, EdgeKind::kBoth), Status::kOk);
+  EXPECT_EQ(driver_.watch(2, EdgeKind::kRising), Status::kOk);
+  for (int i = 0; i < 40; ++i) {
+    chip_.set_input(6, i % 2 == 0);
+    driver_.handle_interrupt(i);
+  }
+  chip_.set_input(2, true);
+  driver_.handle_interrupt(50);
+  expect_edge(50, 2, true);
+  expect_no_edge(2);
+  expect_edge(0, 6, true, Status::kFull);
+  GpioEdge edge;
+  EXPECT_EQ(edges_.poll({0, 3}, edge), Status::kNotFound) << "not watched";
+  EXPECT_EQ(edges_.poll({1, 6}, edge), Status::kNotFound) << "of another bank";
+}
+
+TEST_F(Pl061Driver, WatchesNoMorePinsThanThereAreQueues) {
+  EdgeQueues queues;
+  for (uint8_t line = 0; line < kPinsWatchedMax; ++line) {
+    EXPECT_EQ(queues.watch({3, line}), Status::kOk);
+    EXPECT_EQ(queues.watch({3, line}), Status::kOk) << "again: the same queue";
+  }
+  EXPECT_EQ(queues.watch({3, 100}), Status::kFull);
 }
 
 TEST_F(Pl061Driver, KnowsItsLines) {

@@ -29,6 +29,7 @@ Result<bool> Rk3399Gpio::read(uint8_t line) const {
 
 Status Rk3399Gpio::watch(uint8_t line, EdgeKind kind) {
   if (line >= kLines) return Status::kNotFound;
+  PIRVS_TRY(edges_.watch({bank_, line}));
   const uint32_t bit = 1u << line;
   const bool both = kind == EdgeKind::kBoth;
   registers_.change(kINTMASK, bit, bit);

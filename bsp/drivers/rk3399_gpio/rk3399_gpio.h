@@ -14,7 +14,7 @@
 #include <cstdint>
 
 #include "bsp/api/gpio.h"
-#include "bsp/drivers/edge_queue.h"
+#include "bsp/drivers/edge_queues.h"
 #include "bsp/drivers/register.h"
 
 namespace pirvs::bsp {
@@ -23,7 +23,7 @@ class Rk3399Gpio {
  public:
   static constexpr uint8_t kLines = 32;
 
-  Rk3399Gpio(uintptr_t base, uint8_t bank, EdgeQueue& edges)
+  Rk3399Gpio(uintptr_t base, uint8_t bank, EdgeQueues& edges)
       : registers_(base), bank_(bank), edges_(edges) {}
 
   Status direction(uint8_t line, PinDirection direction, bool level);
@@ -35,7 +35,7 @@ class Rk3399Gpio {
  private:
   Registers registers_;
   uint8_t bank_;
-  EdgeQueue& edges_;
+  EdgeQueues& edges_;
   uint32_t both_ = 0;  // lines watched for both edges
 };
 

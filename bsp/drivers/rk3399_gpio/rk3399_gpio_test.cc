@@ -15,20 +15,20 @@ class Rk3399GpioDriver : public testing::Test {
   static constexpr uintptr_t kBase = 0xff79'0000;
   emulated::Rk3399GpioChip chip_;
   emulated::Attachment attachment_{kBase, chip_};
-  EdgeQueue edges_;
+  EdgeQueues edges_;
   Rk3399Gpio driver_{kBase, 4, edges_};
 
   void expect_edge(TimeNs t, uint8_t line, bool level) {
     GpioEdge edge;
-    EXPECT_EQ(edges_.poll(edge), Status::kOk);
+    EXPECT_EQ(edges_.poll({4, line}, edge), Status::kOk);
     EXPECT_EQ(edge.t, t);
     EXPECT_EQ(edge.pin.bank, 4);
     EXPECT_EQ(edge.pin.line, line);
     EXPECT_EQ(edge.level, level);
   }
-  void expect_no_edge() {
+  void expect_no_edge(uint8_t line) {
     GpioEdge edge;
-    EXPECT_EQ(edges_.poll(edge), Status::kEmpty);
+    EXPECT_EQ(edges_.poll({4, line}, edge), Status::kEmpty);
   }
 };
 
@@ -57,7 +57,8 @@ TEST_F(Rk3399GpioDriver, ReportsTheWatchedEdgesAlone) {
   chip_.set_input(30, false);
   driver_.handle_interrupt(6);
   expect_edge(6, 30, false);
-  expect_no_edge();
+  expect_no_edge(1);
+  expect_no_edge(30);
 }
 
 TEST_F(Rk3399GpioDriver, ReportsBothEdgesFromEitherLevel) {

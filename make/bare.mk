@@ -61,9 +61,9 @@ define compile_bare
   $(CXX_AARCH64) $(COMMON) $(RELEASE) $(BARE) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
   -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
 endef
-$(OUT)/obj/%.o: %.cc Makefile board/bare/bare.mk | $(BUILD)/setup.stamp
+$(OUT)/obj/%.o: %.cc Makefile make/bare.mk | $(BUILD)/setup.stamp
 	$(compile_bare)
-$(OUT)/obj/%.o: %.S Makefile board/bare/bare.mk | $(BUILD)/setup.stamp
+$(OUT)/obj/%.o: %.S Makefile make/bare.mk | $(BUILD)/setup.stamp
 	$(compile_bare)
 
 $(OUT)/sources.list: FORCE

@@ -1,0 +1,33 @@
+#include "board/bare/sensors.h"
+
+#include "bsp/api/tick.h"
+
+namespace pirvs {
+namespace {
+
+bsp::Replay replay;
+
+}  // namespace
+
+void board::play(const bsp::RecordingSource& source, bsp::ReplayPace pace) {
+  replay.start(source, pace);
+}
+
+namespace bsp {
+
+Status imu_poll(ImuSample& out) { return replay.poll(out); }
+
+Status imu_temperature(float&) { return Status::kNotFound; }
+
+Status camera_poll(StereoFrame& out) { return replay.poll(out); }
+
+void camera_retain(FrameId id) { replay.retain(id); }
+
+void camera_release(FrameId id) { replay.release(id); }
+
+Status tick_poll(TimeNs& out) { return replay.poll_tick(out); }
+
+Status camera_control(const CameraControl&) { return Status::kNotFound; }
+
+}  // namespace bsp
+}  // namespace pirvs
