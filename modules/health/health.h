@@ -50,8 +50,6 @@ class Health {
   }
   HealthState state() const { return state_; }
   const Trust& trust() const { return trust_; }
-  // Since the last frame with enough correspondences.
-  double blind_s() const { return blind_s_; }
 
  private:
   float judge(const FrameEvidence& evidence) const;
@@ -61,7 +59,7 @@ class Health {
   Trust trust_;
   TimeNs last_good_ = 0, good_since_ = 0;
   bool good_ = false, in_doubt_ = false;
-  double blind_s_ = 0;
+  double blind_s_ = 0;  // since the last frame with enough correspondences
 };
 
 }  // namespace pirvs

@@ -23,7 +23,6 @@ class Associator {
                  Frontend* frontends);
 
   const MapView& map() const { return map_; }
-  const Camera& camera(int c) const { return camera_[c]; }
   Frontend& frontend(int c) { return frontends_[c]; }
   const Tracks& tracks(int c) const { return frontends_[c].tracks(); }
   LandmarkId landmark(int c, const Track& track) const { return landmarks_[c].get(track); }
