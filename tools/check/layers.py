@@ -29,6 +29,7 @@ MODULES = {
     "health": [],
     "tracking": ["state", "imu", "frontend", "map", "matching", "standstill", "health"],
     "mapping": ["state", "imu", "map", "matching"],
+    "output": ["state", "imu", "health"],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
 }

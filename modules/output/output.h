@@ -1,0 +1,52 @@
+// Predictor, feed and latency as one: fused states and IMU samples in, poses to all consumers out.
+// In      fuse(): after every frame, and when tracking is lost or interrupted; from one core at a
+//         time. add_imu(): every good sample at once; interrupt(): time does not go on from the
+//         last sample; both from the door's core.
+// Out     feed(), to attach to; latency(), from any core.
+// Errors  counted by the predictor.
+// Cost    that of Predictor::add_imu and PoseFeed::publish. 0.4 MB.
+// Source  docs/architecture.md, "One feed out".
+#pragma once
+
+#include "modules/output/latency.h"
+#include "modules/output/pose_feed.h"
+#include "modules/output/predictor.h"
+
+namespace pirvs {
+
+class Output {
+ public:
+  void configure(const ImuNoise& noise, double cov_scale, TimeNs bridge) {
+    predictor_.configure(noise, cov_scale, bridge);
+  }
+  // The clock of the sensors' stamps. Without one (a replay as fast as possible) poses have no
+  // time of publication, and no latency is measured. Before the first sample.
+  void set_clock(TimeNs (*now)()) { now_ = now; }
+
+  void fuse(const FusedState& fused) {
+    predictor_.fuse(fused);
+    if (now_ != nullptr && fused.running) latency_.exposure_to_fused.add(now_() - fused.state.t);
+  }
+  void interrupt() { predictor_.interrupt(); }
+  void add_imu(const ImuSample& sample) {
+    if (!predictor_.add_imu(sample, pose_)) return;
+    if (now_ != nullptr) {
+      pose_.t_published = now_();
+      latency_.imu_to_pose.add(pose_.t_published - sample.t);
+    }
+    feed_.publish(pose_);
+  }
+
+  PoseFeed& feed() { return feed_; }
+  const Latency& latency() const { return latency_; }
+  const Predictor& predictor() const { return predictor_; }
+
+ private:
+  TimeNs (*now_)() = nullptr;
+  Predictor predictor_;
+  Pose pose_;
+  PoseFeed feed_;
+  Latency latency_;
+};
+
+}  // namespace pirvs
