@@ -69,11 +69,11 @@ struct Live {
 
 TEST(door_live, silent_cameras_hold_up_the_imu_for_a_moment_only) {
   Live live;
-  live.run(2'000 * kMs, 0, 150 * kMs);
+  live.run(2'000 * kMs, 0, 160 * kMs);
   EXPECT_EQ(live.samples_out(), 0u) << "a frame may still come";
   EXPECT_EQ(live.lost(DoorLoss::kCameraSilent), 0u);
-  live.run(2'000 * kMs, 0, 155 * kMs);
-  EXPECT_EQ(live.samples_out(), 31u);
+  live.run(2'000 * kMs, 0, 165 * kMs);
+  EXPECT_EQ(live.samples_out(), 33u);
   live.run(2'000 * kMs, 0, 300 * kMs);
   EXPECT_EQ(live.samples_out(), 60u) << "the rest waits no longer";
   EXPECT_EQ(live.lost(DoorLoss::kCameraSilent), 1u);

@@ -67,9 +67,12 @@ struct Script {
     return true;
   }
   Status next(DoorItem& item) {
-    while (feed()) {
+    for (;;) {
+      while (feed()) {
+      }
+      const Status status = door.next(item);
+      if (status != Status::kEmpty || !feed()) return status;
     }
-    return door.next(item);
   }
 
   // Everything that the door hands out until the end of the streams.
