@@ -66,8 +66,11 @@ class Preloaded {
   std::optional<HeapGuard>* guard_ = nullptr;
 };
 
+App app;
+
 struct Sink {
   int frames = 0, poses = 0, keyframes_out = 0, health = 0;
+  int consumer = -1;  // of the app's poses
   int allocate_at_frame = -1;
   void* volatile block = nullptr;
 };
@@ -77,22 +80,21 @@ AppSinks sinks_of(Sink& sink) {
   sinks.context = &sink;
   sinks.frame = [](void* context, const FrameReport&) {
     Sink& self = *static_cast<Sink*>(context);
+    while (app.poses().next(self.consumer) != nullptr) ++self.poses;
     if (self.frames++ == self.allocate_at_frame) self.block = ::operator new(1);
   };
-  sinks.pose = [](void* context, const PoseOutput&) { ++static_cast<Sink*>(context)->poses; };
   sinks.health = [](void* context, TimeNs, HealthState, const char*) {
     ++static_cast<Sink*>(context)->health;
   };
   return sinks;
 }
 
-App app;
-
 // Heap calls from App::run to its end.
 size_t heap_calls(int cores, Sink& sink) {
   static Preloaded recording(simulated(SimulatedDevice::kEuroc));
   recording.rewind();
   app.configure(simulated(SimulatedDevice::kEuroc).calibration, AppParams{}, sinks_of(sink));
+  sink.consumer = app.poses().attach().value();
   alarm(kReplay_s_max);
   std::optional<HeapGuard> guard;
   if (cores == 1) guard.emplace();

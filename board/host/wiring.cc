@@ -13,6 +13,8 @@ void board::play(const bsp::RecordingSource& source, bsp::ReplayPace pace) {
   replay.start(source, pace);
 }
 
+TimeNs board::replay_now() { return replay.sensor_now(); }
+
 namespace bsp {
 
 Status imu_poll(ImuSample& out) { return replay.poll(out); }

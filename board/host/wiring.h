@@ -9,5 +9,7 @@
 namespace pirvs::board {
 
 void play(const bsp::RecordingSource& source, bsp::ReplayPace pace);
+// now() on the clock of the recording's stamps; in real time only, after the first poll.
+TimeNs replay_now();
 
 }  // namespace pirvs::board

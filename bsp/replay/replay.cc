@@ -57,6 +57,8 @@ void Replay::find_offset() {
   offset_known_ = true;
 }
 
+TimeNs Replay::sensor_now() const { return now() - offset_; }
+
 bool Replay::is_due(TimeNs arrival) {
   if (!offset_known_) find_offset();
   if (now() >= arrival + offset_) return true;

@@ -61,6 +61,8 @@ class Replay {
   Status poll(ImuSample& out);
   Status poll(StereoFrame& out);
   Status poll_tick(TimeNs& out);
+  // now() on the clock of the recording's stamps; kRealTime only, after the first poll.
+  TimeNs sensor_now() const;
   void retain(FrameId id) { lending_.retain(id); }
   void release(FrameId id);
 

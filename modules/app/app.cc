@@ -33,6 +33,12 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   const AppParams scaled = for_lens(params, calibration.camera[0]);
   sinks_ = sinks;
   DoorListener listener;
+  listener.context = this;
+  listener.fresh = [](void* context, const ImuSample& sample, bool broken) {
+    Output& output = static_cast<App*>(context)->output_;
+    if (broken) output.interrupt();
+    output.add_imu(sample);
+  };
   listener.release = Intake::release;
   door_.configure(calibration, scaled.door, listener);
   const auto next_command = [](void* context, Command& out) {
@@ -43,6 +49,15 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   };
   intake_.configure(&door_, {}, {this, next_command});
   estimator_.configure(calibration, scaled, sinks);
+  output_.configure(pirvs::scaled(calibration.imu, scaled.imu),
+                    static_cast<double>(scaled.tracking.tracker.cov_scale),
+                    from_seconds(static_cast<double>(scaled.door.bridge_s)));
+}
+
+// What was fused before has nothing to say about what comes.
+void App::interrupt(TimeNs t, const char* why) {
+  estimator_.interrupt(t, why);
+  output_.fuse(estimator_.fused());
 }
 
 void App::check_clocks() {
@@ -51,8 +66,8 @@ void App::check_clocks() {
                                    estimator_.tracker().state().b_g};
   const ClockVerdict verdict = door_.judge_clocks(frame);
   if (verdict == ClockVerdict::kRight) return;
-  estimator_.interrupt(door_t_, verdict == ClockVerdict::kImuSet ? "the IMU's clock was set"
-                                                                 : "the cameras' clock was set");
+  interrupt(door_t_, verdict == ClockVerdict::kImuSet ? "the IMU's clock was set"
+                                                      : "the cameras' clock was set");
 }
 
 // No more is sensed: mapping finishes what it has.
@@ -91,11 +106,8 @@ void App::take(const DoorItem& item) {
     }
     case DoorItemKind::kImu:
       door_t_ = item.imu.t;
-      if (item.broken) estimator_.interrupt(item.imu.t, "input interrupted");
+      if (item.broken) interrupt(item.imu.t, "input interrupted");
       estimator_.imu(item.imu, door_.in_doubt(item.imu.t));
-      if (estimator_.tracker().running() && sinks_.pose != nullptr) {
-        sinks_.pose(sinks_.context, estimator_.pose());
-      }
       break;
     case DoorItemKind::kCommand:
       executing_ = item.command;
@@ -104,7 +116,7 @@ void App::take(const DoorItem& item) {
     case DoorItemKind::kEvent:
       // While the IMU is silent no pose can be given; faults alone are bridged as any gap is.
       if (item.event == DoorLoss::kImuSilent) {
-        estimator_.interrupt(door_t_, message(item.event));
+        interrupt(door_t_, message(item.event));
       } else {
         estimator_.tell_health(door_t_, message(item.event));
       }
@@ -118,6 +130,7 @@ void App::take(const DoorItem& item) {
 
 Step App::tracking_step() {
   if (estimator_.tracking_step() == Step::kIdle) return Step::kIdle;
+  output_.fuse(estimator_.fused());
   check_clocks();
   door_.release();
   return Step::kAgain;
@@ -189,6 +202,7 @@ int App::pools(NamedValue* out, int max) {
     if (count < max) out[count++] = {name, size};
   };
   add("recorder", sizeof(recorder_));
+  add("output", sizeof(output_));
   size_t named = 0;
   for (int i = 0; i < count; ++i) named += out[i].value;
   add("app", sizeof(App) - named);
@@ -208,6 +222,8 @@ int App::counters(NamedValue* out, int max) const {
   static constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
                                               "overruns_tracking", "overruns_mapping"};
   static_assert(std::size(kOverruns) == kTasks);
+  add("fused_states_missed", output_.predictor().anchors_missed());
+  add("poses_not_finite", output_.predictor().not_finite());
   for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
   return count + estimator_.counters(out + count, max - count);
 }

@@ -1,8 +1,8 @@
 // The whole stack as one static object: sensors in by the bsp's contracts, commands by the door,
 // poses out by sinks. Wires door, estimator and recorder, and does nothing else.
 // In      bsp::camera_poll, imu_poll, tick_poll; a Calibration; parameters; command().
-// Out     AppSinks: every pose at IMU rate, a report per frame, health changes, answers; the map at
-//         the end.
+// Out     poses(): one at every IMU sample, for each consumer. AppSinks: a report per frame, health
+//         changes, answers. The map at the end.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU. Time: the IMU's clock, ns.
 // Errors  kBadData: the sensors ended before a start. Rejected samples are counted.
 // Cost    memory: see pools(); time: see FrameReport.
@@ -21,6 +21,7 @@
 #include "modules/calibration/calibration.h"
 #include "modules/door/command.h"
 #include "modules/door/door.h"
+#include "modules/output/output.h"
 #include "modules/recorder/recorder.h"
 
 namespace pirvs {
@@ -77,6 +78,11 @@ class App {
   }
   bool recorder_has_room() const { return !recorder_.started() || recorder_.has_room(); }
 
+  // Before start(): the clock of the sensors' stamps, or latency() stays empty (output.h).
+  void set_clock(TimeNs (*now)()) { output_.set_clock(now); }
+  PoseFeed& poses() { return output_.feed(); }
+  const Latency& latency() const { return output_.latency(); }  // from any core
+
   const Map& map() const { return estimator_.map(); }  // once finished
   // Every counter of rejections and faults, from any core, also while it runs; sizes of the static
   // pools in bytes. Return the count.
@@ -93,10 +99,12 @@ class App {
   Step door_step();
   Step tracking_step();
   void take(const DoorItem& item);
+  void interrupt(TimeNs t, const char* why);
   void end_when_done();
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
+  Status set_pose(const Vec3& p_WB, double yaw_rad);
   Status retune(const char* name, float value);
   Status save(const char* name);
   Status load(const char* name);
@@ -110,6 +118,7 @@ class App {
   Door door_;
   Intake intake_;
   Estimator estimator_;
+  Output output_;
   Recorder recorder_;
 
   CommandQueue commands_;

@@ -69,14 +69,12 @@ Status App::execute(const Command& command) {
   switch (command.kind) {
     case CommandKind::kReset:
       estimator_.reset(door_t_, "reset by command");
+      output_.fuse(estimator_.fused());
       return Status::kOk;
     case CommandKind::kSetParameter:
       return retune(command.text, command.value);
     case CommandKind::kSetPose:
-      if (!command.p_WB.allFinite() || !(command.yaw_rad >= -7 && command.yaw_rad <= 7)) {
-        return Status::kBadData;
-      }
-      return estimator_.set_pose(door_t_, command.p_WB, command.yaw_rad);
+      return set_pose(command.p_WB, command.yaw_rad);
     case CommandKind::kSaveMap:
       return save(command.text);
     case CommandKind::kLoadMap:
@@ -84,6 +82,16 @@ Status App::execute(const Command& command) {
     default:
       return Status::kNotFound;
   }
+}
+
+Status App::set_pose(const Vec3& p_WB, double yaw_rad) {
+  constexpr double kTurn_rad = 6.3;
+  if (!p_WB.allFinite() || !(yaw_rad >= -kTurn_rad && yaw_rad <= kTurn_rad)) {
+    return Status::kBadData;
+  }
+  PIRVS_TRY(estimator_.set_pose(door_t_, p_WB, yaw_rad));
+  output_.fuse(estimator_.fused());
+  return Status::kOk;
 }
 
 // The door's own are fixed once it is open.
@@ -141,6 +149,7 @@ Status App::load(const char* name) {
     if (status == Status::kOk) status = closed;
     if (status != Status::kOk) break;
   }
+  output_.fuse(estimator_.fused());
   return status;
 }
 

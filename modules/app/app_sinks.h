@@ -6,22 +6,14 @@
 
 #include "core/base/limits.h"
 #include "modules/door/command.h"
-#include "modules/health/health.h"
-#include "modules/state/body_state.h"
+#include "modules/output/pose.h"
 
 namespace pirvs {
-
-struct PoseOutput {
-  BodyState state;
-  Mat15 cov = Mat15::Zero();
-  HealthState health = HealthState::kInitializing;
-  Trust trust;
-};
 
 struct FrameReport {
   TimeNs t = 0;
   bool has_pose = false;
-  PoseOutput pose;
+  FusedState pose;
   float image_ms = 0, matching_ms = 0, tracking_ms = 0, mapping_ms = 0, end_to_end_ms = 0;
   int tracks[kCamerasMax] = {0, 0};
   int correspondences = 0, accepted = 0;
@@ -32,7 +24,6 @@ struct FrameReport {
 // All are called on the door's core, keyframe() on mapping's.
 struct AppSinks {
   void* context = nullptr;
-  void (*pose)(void*, const PoseOutput&) = nullptr;  // at IMU rate
   void (*frame)(void*, const FrameReport&) = nullptr;
   void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
   void (*keyframe)(void*, const BodyState&) = nullptr;  // leaving the map, refined as it is then

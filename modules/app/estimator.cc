@@ -95,8 +95,9 @@ Status Estimator::load_map(TimeNs t, const MapSource& source) {
   return Status::kOk;
 }
 
-PoseOutput Estimator::pose() const {
-  PoseOutput out = {tracker_.state(), tracker_.cov(), tracker_.health(), tracker_.trust()};
+FusedState Estimator::fused() const {
+  FusedState out = {tracker_.state(), tracker_.cov(),   tracker_.health(),
+                    tracker_.trust(), tracker_.epoch(), tracker_.running()};
   out.trust.resets += resets_before_;
   return out;
 }
@@ -179,7 +180,7 @@ void Estimator::report(const FrameResult& result, TimeNs matching_ns) {
   report_ = FrameReport{};
   report_.t = frame_.t;
   report_.has_pose = result.has_pose;
-  report_.pose = pose();
+  report_.pose = fused();
   report_.image_ms = to_ms(frontend_ns_[0] + frontend_ns_[1]);
   report_.matching_ms = to_ms(matching_ns);
   report_.tracking_ms = to_ms(tracking_ns_);

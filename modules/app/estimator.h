@@ -2,7 +2,7 @@
 // sensor, no schedule and no clock but that of CPU time for its reports.
 // In      imu() and begin() in order of sensor time, a frame only while idle(); then its steps,
 //         each on a core of its own if the plan likes.
-// Out     pose() after every sample; a FrameReport once a frame is done and the next one begins.
+// Out     fused() after every frame; a FrameReport once a frame is done and the next one begins.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU.
 // Errors  none to the caller: what is rejected is counted by name.
 // Cost    memory: see pools(); time: see FrameReport.
@@ -52,7 +52,7 @@ class Estimator {
   // is empty then.
   Status load_map(TimeNs t, const MapSource& source);
 
-  PoseOutput pose() const;
+  FusedState fused() const;
   const Tracker& tracker() const { return tracker_; }
   const Tracks& tracks(int camera) const { return frontend_[camera].tracks(); }
   MapGate& map_gate() { return map_gate_; }

@@ -110,6 +110,7 @@ class Tracker {
 
   uint32_t sent() const { return keyframer_.sent(); }  // keyframes so far, the newest's sequence
   bool running() const { return running_; }
+  uint16_t epoch() const { return epoch_; }
   const BodyState& state() const { return estimate_.state(); }
   // The pose, or where a start would continue.
   const SE3& place() const { return running_ ? state().T_WB : initializer_.origin(); }

@@ -22,6 +22,12 @@ Json statistics_json(const Statistics& s) {
   return {{"mean", s.mean}, {"median", s.median}, {"p95", s.p95}, {"p99", s.p99}, {"max", s.max}};
 }
 
+// null: not measured, as in a replay that is not in real time.
+Json latency_json(const LatencySummary& s) {
+  if (s.count == 0) return nullptr;
+  return {{"min", s.min_ms}, {"median", s.median_ms}, {"p99", s.p99_ms}, {"max", s.max_ms}};
+}
+
 Json counts_json(const std::vector<Count>& counts) {
   Json out = Json::object();
   for (const Count& count : counts) out[count.name] = count.value;
@@ -86,6 +92,9 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"evaluation", evaluation_json(result.evaluation)},
                      {"nees", nees_json(result.nees)},
                      {"timing_ms", timing},
+                     {"latency_ms",
+                      {{"imu_to_pose", latency_json(log.imu_to_pose)},
+                       {"exposure_to_fused", latency_json(log.exposure_to_fused)}}},
                      {"keyframes", log.keyframes.size()},
                      {"points", log.points.size()},
                      {"pools_bytes", pools},

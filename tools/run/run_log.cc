@@ -56,6 +56,8 @@ void RunLog::finish(const App& app) {
   NamedValue values[kNamedMax];
   counters = named(values, app.counters(values, kNamedMax));
   pools = named(values, App::pools(values, kNamedMax));
+  imu_to_pose = app.latency().imu_to_pose.summary();
+  exposure_to_fused = app.latency().exposure_to_fused.summary();
 }
 
 }  // namespace pirvs::tools

@@ -29,6 +29,7 @@ struct RunLog {
   std::vector<Landmark> points;
   std::vector<Count> counters;
   std::vector<Count> pools;  // bytes
+  LatencySummary imu_to_pose, exposure_to_fused;
 
   explicit RunLog(size_t frames_expected);
   AppSinks sinks();
