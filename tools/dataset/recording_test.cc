@@ -84,7 +84,7 @@ TEST(recording, one_camera_and_no_truth_are_read) {
   const Recording recording = open_recording(disk.folder(), {});
   EXPECT_EQ(recording.calibration.cameras, 1);
   EXPECT_TRUE(recording.truth.poses.empty());
-  EXPECT_EQ(Player(recording).front()->present, 1);
+  EXPECT_EQ(Player(recording).next()->present, 1);
 }
 
 TEST(recording, a_last_line_cut_off_is_counted) {

@@ -96,10 +96,9 @@ bool Feed::next_command(void* context, pirvs::Command& out) {
   return true;
 }
 
-void Feed::release_frame(void* context) {
-  void Feed::release_frame(void* context, FrameId id) {
-    Feed& feed = *static_cast<Feed*>(context);
-    feed.player_.release(feed.lent_[id.slot]);
-  }
+void Feed::release_frame(void* context, FrameId id) {
+  Feed& feed = *static_cast<Feed*>(context);
+  feed.player_.release(feed.lent_[id.slot]);
+}
 
 }  // namespace pirvs::tools

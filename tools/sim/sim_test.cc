@@ -93,8 +93,9 @@ TEST(sim, its_recording_can_be_opened) {
       EXPECT_LT((camera.T_BC.p - expected.camera[c].T_BC.p).norm(), 1e-9);
     }
     Player player(recording);
-    ASSERT_NE(player.front(), nullptr);
-    EXPECT_EQ(player.front()->present, 3);
+    const StereoFrame* const frame = player.next();
+    ASSERT_NE(frame, nullptr);
+    EXPECT_EQ(frame->present, 3);
   }
 }
 
