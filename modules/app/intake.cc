@@ -26,12 +26,10 @@ bool Intake::poll_command() {
   return true;
 }
 
-// A sensor that is lost would answer with a fault each time.
-bool Intake::may_ask(Sensor sensor) {
+// A sensor that is lost answers with a fault each time: one for each tick will do.
+bool Intake::may_ask(Sensor sensor) const {
   const int i = static_cast<int>(sensor);
-  if (ended_[i] || (door_->is_lost(sensor) && asked_since_tick_[i])) return false;
-  asked_since_tick_[i] = true;
-  return true;
+  return !ended_[i] && !(door_->is_lost(sensor) && fault_since_tick_[i]);
 }
 
 bool Intake::poll_camera() {
@@ -45,6 +43,7 @@ bool Intake::poll_camera() {
     ended_[static_cast<int>(Sensor::kCamera)] = true;
     push(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
   } else {
+    fault_since_tick_[static_cast<int>(Sensor::kCamera)] = true;
     push(arrival_of(ArrivalKind::kFault, Sensor::kCamera, status));
   }
   return true;
@@ -61,6 +60,7 @@ bool Intake::ask_imu(Arrival& out) {
     ended_[static_cast<int>(Sensor::kImu)] = true;
     out = arrival_of(ArrivalKind::kEnd, Sensor::kImu);
   } else {
+    fault_since_tick_[static_cast<int>(Sensor::kImu)] = true;
     out = arrival_of(ArrivalKind::kFault, Sensor::kImu, status);
   }
   return true;
@@ -94,7 +94,7 @@ void Intake::drain_imu() {
 bool Intake::poll_tick() {
   TimeNs t = 0;
   if (bsp::tick_poll(t) != Status::kOk) return false;
-  for (bool& asked : asked_since_tick_) asked = false;
+  for (bool& fault : fault_since_tick_) fault = false;
   push(tick_at(t));
   return true;
 }

@@ -41,14 +41,14 @@ class Intake {
   bool poll_imu();
   bool poll_tick();
   bool ask_imu(Arrival& out);
-  bool may_ask(Sensor sensor);
+  bool may_ask(Sensor sensor) const;
   void push(const Arrival& arrival);
 
   Door* door_ = nullptr;
   IntakeTap tap_;
   CommandSource commands_;
   bool ended_[static_cast<int>(Sensor::kCount)] = {};
-  bool asked_since_tick_[static_cast<int>(Sensor::kCount)] = {};
+  bool fault_since_tick_[static_cast<int>(Sensor::kCount)] = {};
   Arrival pending_;  // of the IMU, met by drain_imu(): it must wait for poll()
   bool has_pending_ = false;
 };
