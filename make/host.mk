@@ -39,7 +39,7 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/base/number.cc modules/app/app_params.cc \
   modules/calibration/calibration_check.cc \
-  modules/door/door.cc modules/door/imu_guard.cc modules/door/image_guard.cc bsp/replay/% \
+  modules/door/% bsp/replay/% \
   bsp/drivers/device_tree/% board/host/% bsp/linux/assert.cc bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
 FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
@@ -103,6 +103,10 @@ test-system: $(OUT_TESTED)/system_tests $(ONE_BY_ONE) ## whole-system replays al
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	$(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+
+# Golden replays are system tests too. Their values are renewed on purpose alone.
+golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
+	PIRVS_RENEW=$(RENEW) $(OUT_TESTED)/system_tests --gtest_brief=1 --gtest_filter='golden*'
 
 # New inputs gather in build/fuzz/NAME; worth keeping: -merge=1 them into tests/fuzz/corpus/NAME.
 SECONDS ?= 600

@@ -1,2 +1,2 @@
-#A PC.
-include make / host.mk
+# A PC.
+include make/host.mk

@@ -2,9 +2,15 @@
 
 #include <gtest/gtest.h>
 
+#include <unistd.h>
+
 #include <atomic>
+#include <cmath>
+#include <cstring>
+#include <filesystem>
 #include <memory>
 #include <random>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -36,7 +42,7 @@ class Still {
               uint8_t(coarse[size_t(row * (kWidth / 4 + 8) + column)]);
         }
       }
-      pixels_[c] = scene_[c];
+      for (auto& slot : pixels_) slot[c] = scene_[c];
     }
   }
 
@@ -77,18 +83,20 @@ class Still {
     out = StereoFrame{};
     out.t = kBegin + s.frame_at_++ * kFrame_ns;
     out.present = 3;
+    auto& pixels = s.pixels_[size_t(s.frame_at_) % bsp::kReplayFrames];
     for (int c = 0; c < kCamerasMax; ++c) {
-      for (size_t i = 0; i < s.pixels_[c].size(); ++i) {
-        s.pixels_[c][i] = uint8_t(s.scene_[c][i] + s.random_() % 3);
+      for (size_t i = 0; i < pixels[c].size(); ++i) {
+        pixels[c][i] = uint8_t(s.scene_[c][i] + s.random_() % 3);
       }
-      out.image[c] = {s.pixels_[c].data(), kWidth, kHeight, kWidth};
+      out.image[c] = {pixels[c].data(), kWidth, kHeight, kWidth};
     }
     return true;
   }
 
   TimeNs frames_, imu_at_ = 0, frame_at_ = 0;
   std::mt19937 random_{3};
-  std::vector<uint8_t> scene_[kCamerasMax], pixels_[kCamerasMax];
+  std::vector<uint8_t> scene_[kCamerasMax];
+  std::vector<uint8_t> pixels_[bsp::kReplayFrames][kCamerasMax];  // a slot of the lender each
 };
 
 struct Log {
@@ -205,6 +213,118 @@ TEST_F(AppLife, AnswersWhatItCannotDo) {
   ASSERT_EQ(log_.answers.size(), 1u);
   EXPECT_EQ(log_.answers[0].kind, CommandKind::kStopRecording);
   EXPECT_EQ(log_.answers[0].status, Status::kStale) << "nothing is recorded";
+}
+
+uint64_t counter(const App& app, const char* name) {
+  NamedValue values[256];
+  const int count = app.counters(values, 256);
+  for (int i = 0; i < count; ++i) {
+    if (std::strcmp(values[i].name, name) == 0) return values[i].value;
+  }
+  ADD_FAILURE() << name;
+  return 0;
+}
+
+TEST_F(AppLife, SetsAParameterWhileItTracks) {
+  Still still(60);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 30) ASSERT_EQ(app_->poll(), Status::kOk);
+  struct {
+    const char* name;
+    float value;
+    Status answer;
+  } const cases[] = {{"frontend.tracks_target", 60, Status::kOk},
+                     {"tracks_wanted", 60, Status::kNotFound},
+                     {"sigma_px", 1, Status::kNotFound},
+                     {"frontend.tracks_target", 1e6f, Status::kBadData},
+                     {"mapping.window", 5.5f, Status::kBadData},
+                     {"door.bridge_s", 0.7f, Status::kStale}};
+  for (const auto& c : cases) {
+    Command set = command(CommandKind::kSetParameter);
+    std::strcpy(set.text, c.name);
+    set.value = c.value;
+    ASSERT_TRUE(app_->command(set).ok());
+  }
+  const int poses = log_.poses;
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), std::size(cases));
+  for (size_t i = 0; i < std::size(cases); ++i) {
+    EXPECT_EQ(log_.answers[i].status, cases[i].answer) << cases[i].name;
+  }
+  EXPECT_GE(log_.poses, poses + 29) << "tracking goes on";
+  EXPECT_EQ(counter(*app_, "starts"), 1u);
+}
+
+TEST_F(AppLife, PutsThePoseWhereItIsTold) {
+  Still still(60);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 40) ASSERT_EQ(app_->poll(), Status::kOk);
+  const uint32_t resets = log_.resets;
+  Command set = command(CommandKind::kSetPose);
+  set.p_WB = Vec3(5, -6, 2);
+  set.yaw_rad = 1.2;
+  ASSERT_TRUE(app_->command(set).ok());
+  set.p_WB.x() = std::nan("");
+  ASSERT_TRUE(app_->command(set).ok());
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 2u);
+  EXPECT_EQ(log_.answers[0].status, Status::kOk);
+  EXPECT_EQ(log_.answers[1].status, Status::kBadData);
+  const BodyState& end = log_.states.back();
+  EXPECT_LT((end.T_WB.p - Vec3(5, -6, 2)).norm(), 0.01);
+  EXPECT_NEAR(std::atan2(end.T_WB.R(1, 0), end.T_WB.R(0, 0)), 1.2, 0.005);
+  EXPECT_GT(log_.resets, resets);
+  EXPECT_EQ(counter(*app_, "losses"), 0u) << "the map has moved along";
+}
+
+TEST_F(AppLife, FindsItsPlaceInASavedMap) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("pirvs_app_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string path = folder.string();
+  bsp::set_storage_directory(path.c_str());
+  Command save = command(CommandKind::kSaveMap), load = command(CommandKind::kLoadMap);
+  std::strcpy(save.text, "hall.map");
+  std::strcpy(load.text, "hall.map");
+  {
+    Still still(60);
+    play_fast(still);
+    ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+    while (log_.frames < 40) ASSERT_EQ(app_->poll(), Status::kOk);
+    Command set = command(CommandKind::kSetPose);
+    set.p_WB = Vec3(5, -6, 2);
+    ASSERT_TRUE(app_->command(set).ok());
+    ASSERT_TRUE(app_->command(save).ok());
+    while (app_->poll() == Status::kOk) {
+    }
+    EXPECT_EQ(app_->finish(), Status::kOk);
+    EXPECT_EQ(log_.answers.back().status, Status::kOk);
+  }
+  EXPECT_TRUE(std::filesystem::exists(folder / "hall.map"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "hall.map.part"));
+  log_.answers.clear();
+  log_.states.clear();
+  Still again(60);
+  play_fast(again);
+  Command missing = load;
+  std::strcpy(missing.text, "cellar.map");
+  ASSERT_TRUE(app_->command(missing).ok());
+  ASSERT_TRUE(app_->command(load).ok());
+  EXPECT_EQ(app_->run(kOneCore, Drive::kLockstep), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 2u);
+  EXPECT_EQ(log_.answers[0].status, Status::kNotFound);
+  EXPECT_EQ(log_.answers[1].status, Status::kOk);
+  ASSERT_FALSE(log_.states.empty());
+  EXPECT_LT((log_.states.back().T_WB.p - Vec3(5, -6, 2)).norm(), 0.05) << "in the map's frame";
+  EXPECT_EQ(counter(*app_, "joins"), 1u);
+  bsp::set_storage_directory(".");
+  std::filesystem::remove_all(folder);
 }
 
 // What the thread sanitizer is for: two cores at work, a third thread that asks and commands.
