@@ -5,8 +5,10 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <thread>
 
 #include "board/host/board.h"
+#include "bsp/linux/storage.h"
 #include "core/base/assert.h"
 #include "tools/run/feed.h"
 
@@ -58,11 +60,21 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   Replay out{Status::kOk, tools::RunLog(recording.frames.size()), {}, {}, {}};
   alarm(kReplay_s_max);
   {
-    tools::Feed feed(recording, faults);
+    tools::Feed feed(recording, faults, {}, from_seconds(options.camera_latency_s));
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
     app.replay_commands(feed.commands());
+    const bool live = options.playback == tools::Playback::kRealTime;
+    if (!live && options.mapping_lag < 0) app.replay_maps(feed.maps());
+    if (!options.record.empty()) {
+      bsp::set_storage_directory(options.record.c_str());
+      PIRVS_ASSERT(app.record() == Status::kOk);
+    }
+    std::thread other;
+    if (options.while_it_runs) other = std::thread([&] { options.while_it_runs(app); });
     if (options.mapping_lag >= 0) app.delay_mapping(options.mapping_lag);
     out.status = play(app, feed.source(), board::kPlans[options.cores - 1], options.playback);
+    if (other.joinable()) other.join();
+    bsp::set_storage_directory(".");
     out.rejected = feed.rejected();
     out.faults = feed.faults_applied();
   }

@@ -7,6 +7,7 @@
 // Source  DESIGN, "The front door".
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -42,6 +43,9 @@ struct ReplayOptions {
   std::vector<std::string> faults = {};  // as --fault takes them
   tools::Playback playback = tools::Playback::kFast;
   int mapping_lag = -1;  // as --mapping-lag, -1: without
+  double camera_latency_s = 0;
+  std::string record = {};                       // a folder, as --record
+  std::function<void(App&)> while_it_runs = {};  // on a thread of its own
 };
 
 Replay replay(const tools::Recording& recording, const ReplayOptions& options = {});

@@ -79,7 +79,13 @@ void App::end_when_done() {
 Step App::door_step() {
   // Live, each sample is to be told at once, whatever a frame in work takes.
   if (drive_ == Drive::kTimed && may_go_on_ == nullptr) intake_.drain_imu();
-  if (!estimator_.idle()) return estimator_.wait_for_map();
+  if (!estimator_.idle()) {
+    const Step step = estimator_.wait_for_map();
+    if (step == Step::kAgain && recorder_.started()) {
+      recorder_.decision(estimator_.tracker().map_keyframe());
+    }
+    return step;
+  }
   if (estimator_.mapping_done()) mapping_done_t_ = door_t_;
   if (command_step()) return Step::kAgain;
   if (ending_) end_when_done();

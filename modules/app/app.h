@@ -71,6 +71,8 @@ class App {
 
   // Commands of a recording, each at its turn; between configure() and start().
   void replay_commands(const CommandSource& source) { replayed_ = source; }
+  // Likewise which of mapping's results each frame used; instead of delay_mapping().
+  void replay_maps(const MapDecisions& maps) { estimator_.map_gate().follow(maps); }
 
   // How long, in sensor time, mapping has had work left; 0: it has none. The door's core.
   TimeNs mapping_backlog() const {

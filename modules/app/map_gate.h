@@ -15,11 +15,19 @@
 
 namespace pirvs {
 
+// Of a recorded run: the keyframe whose result the next frame used, 0: none. False: not known.
+struct MapDecisions {
+  void* context = nullptr;
+  bool (*next)(void* context, uint32_t& keyframe) = nullptr;
+};
+
 class MapGate {
  public:
   static constexpr int kFree = -1;
   static constexpr int kLagMax = 32;
 
+  // From the next frame on, as long as it has an answer.
+  void follow(const MapDecisions& decisions) { decisions_ = decisions; }
   // kFree, or 0 to kLagMax frames.
   void configure(int lag) {
     PIRVS_ASSERT(lag >= kFree && lag <= kLagMax);
@@ -33,7 +41,11 @@ class MapGate {
   }
   // A frame is about to begin; `sent`: the newest keyframe so far.
   void frame(uint32_t sent) {
-    if (lag_ == kFree) return;
+    uint32_t keyframe = 0;
+    if (decisions_.next != nullptr && decisions_.next(decisions_.context, keyframe)) {
+      return limit_.store(keyframe, std::memory_order_release);
+    }
+    if (lag_ == kFree) return open();
     sent_[frames_ % (kLagMax + 1)] = sent;
     const uint32_t then = frames_ - static_cast<uint32_t>(lag_);
     if (frames_ >= static_cast<uint32_t>(lag_)) {
@@ -41,8 +53,6 @@ class MapGate {
     }
     ++frames_;
   }
-  // The frame to come used mapping's result of this keyframe.
-  void follow(uint32_t keyframe) { limit_.store(keyframe, std::memory_order_release); }
   // Until the next frame, mapping finishes what it has.
   void open() { limit_.store(UINT32_MAX, std::memory_order_release); }
 
@@ -51,6 +61,7 @@ class MapGate {
   bool ready(uint32_t finished) const { return limit() == UINT32_MAX || finished >= limit(); }
 
  private:
+  MapDecisions decisions_;
   int lag_ = kFree;
   uint32_t frames_ = 0;
   uint32_t sent_[kLagMax + 1] = {};

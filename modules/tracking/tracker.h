@@ -72,6 +72,7 @@ struct FrameResult {
   int correspondences = 0, accepted = 0;
 };
 
+// Many methods: the one door to tracking; half of them answer in one line.
 class Tracker {
  public:
   // Called again: other parameters from now on; what is tracked goes on, an attempt to start begins
@@ -112,6 +113,7 @@ class Tracker {
   bool running() const { return running_; }
   uint16_t epoch() const { return epoch_; }
   const BodyState& state() const { return estimate_.state(); }
+  uint32_t map_keyframe() const { return associator_.map().keyframe(); }  // 0: no map yet
   // The pose, or where a start would continue.
   const SE3& place() const { return running_ ? state().T_WB : initializer_.origin(); }
   Mat15 cov() const { return estimate_.cov(); }

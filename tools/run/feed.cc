@@ -96,6 +96,15 @@ bool Feed::next_command(void* context, pirvs::Command& out) {
   return true;
 }
 
+bool Feed::next_map(void* context, uint32_t& keyframe) {
+  Feed& feed = *static_cast<Feed*>(context);
+  const std::vector<OrderRow>& rows = feed.recording_.order;
+  while (feed.map_at_ < rows.size() && rows[feed.map_at_].kind != OrderKind::kMap) ++feed.map_at_;
+  if (!feed.follows_order_ || feed.map_at_ == rows.size()) return false;
+  keyframe = static_cast<uint32_t>(rows[feed.map_at_++].t);
+  return true;
+}
+
 void Feed::release_frame(void* context, FrameId id) {
   Feed& feed = *static_cast<Feed*>(context);
   feed.player_.release(feed.lent_[id.slot]);

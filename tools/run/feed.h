@@ -13,6 +13,7 @@
 
 #include "bsp/replay/replay.h"
 #include "modules/app/intake.h"
+#include "modules/app/map_gate.h"
 #include "tools/dataset/player.h"
 #include "tools/run/fault.h"
 
@@ -26,6 +27,8 @@ class Feed {
 
   // The recorded commands, each at its turn.
   CommandSource commands() { return {this, next_command}; }
+  // Which of mapping's results each recorded frame used.
+  MapDecisions maps() { return {this, next_map}; }
 
   std::vector<Count> rejected() const { return player_.rejected(); }
   std::vector<Count> faults_applied() const { return faults_.applied(); }
@@ -38,6 +41,7 @@ class Feed {
   static bool order(void* context, bsp::RecordedArrival& out);
   static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
   static bool next_command(void* context, pirvs::Command& out);
+  static bool next_map(void* context, uint32_t& keyframe);
 
   const Recording& recording_;
   FaultLine faults_;
@@ -46,7 +50,7 @@ class Feed {
   const StereoFrame* lent_[bsp::kReplayFrames] = {};  // by the slot of its id
   TimeNs camera_delay_;  // from a frame's stamp to its arrival, on the IMU's clock
   bool follows_order_;   // faults and a latency would change it
-  size_t order_at_ = 0;
+  size_t order_at_ = 0, map_at_ = 0;
   size_t imu_at_ = 0;
   TimeNs imu_arrival_ = 0, frame_arrival_ = 0;
 };

@@ -83,6 +83,7 @@ int run(const Options& options, const std::string& command) {
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     app.replay_commands(feed.commands());
+    if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
     }

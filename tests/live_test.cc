@@ -1,0 +1,82 @@
+// Recordings played as live sensors would: latency of poses, commands while it runs, and what was
+// recorded of it replayed to the same bytes.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <cstring>
+#include <filesystem>
+#include <string>
+#include <thread>
+
+#include "tests/recordings.h"
+#include "tests/replay.h"
+
+namespace pirvs::systems {
+namespace {
+
+namespace fs = std::filesystem;
+using tools::Playback;
+
+class Folder {
+ public:
+  explicit Folder(const char* name)
+      : path_(fs::temp_directory_path() / (name + std::to_string(getpid()))) {
+    fs::create_directories(path_);
+  }
+  ~Folder() { fs::remove_all(path_); }
+  std::string path() const { return path_.string(); }
+
+ private:
+  fs::path path_;
+};
+
+void wait_s(double s) { std::this_thread::sleep_for(std::chrono::duration<double>(s)); }
+
+void command(App& app, CommandKind kind, const char* text = "", float value = 0) {
+  Command command;
+  command.kind = kind;
+  std::strcpy(command.text, text);
+  command.value = value;
+  command.p_WB = Vec3(3, 2, 1);
+  command.yaw_rad = 0.5;
+  (void)app.command(command);
+}
+
+// Silence of both sensors, a late clock, commands of every kind that changes the estimate: decisions
+// of a run that depend on time and on how fast mapping was.
+TEST(live, what_was_recorded_of_a_live_run_replays_to_the_same_bytes) {
+  const Folder folder("pirvs_live_");
+  ReplayOptions live;
+  live.cores = 2;
+  live.playback = Playback::kRealTime;
+  live.faults = {"imu:2-3.3", "cam0:4-4.6", "cam1:4-4.6", "spike:5"};
+  live.record = folder.path();
+  live.while_it_runs = [](App& app) {
+    wait_s(1.5);
+    command(app, CommandKind::kSetParameter, "frontend.tracks_target", 120);
+    wait_s(2.5);
+    command(app, CommandKind::kSetPose);
+    wait_s(1);
+    command(app, CommandKind::kSetParameter, "no.such", 1);
+    command(app, CommandKind::kReset);
+  };
+  const Replay run = replay(simulated(SimulatedDevice::kEuroc), live);
+  print("live", run);
+  for (const char* lost : {"record_imu_dropped", "record_frame_dropped", "record_order_dropped",
+                           "keyframes_dropped"}) {
+    EXPECT_EQ(run.counter(lost), 0u) << lost;
+  }
+  EXPECT_GE(run.counter("imu_silent"), 1u);
+  const Replay again = replay(tools::open_recording(folder.path(), {}));
+  print("replayed", again);
+  EXPECT_GT(run.trajectory().size(), 1000u);
+  EXPECT_TRUE(run.trajectory() == again.trajectory()) << "a replay differs from the live run";
+  EXPECT_EQ(run.log.health.size(), again.log.health.size());
+  for (const char* name : {"starts", "losses", "keyframes", "imu_silent", "camera_silent"}) {
+    EXPECT_EQ(run.counter(name), again.counter(name)) << name;
+  }
+}
+
+}  // namespace
+}  // namespace pirvs::systems
