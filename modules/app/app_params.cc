@@ -9,7 +9,9 @@ namespace {
 std::string_view name_in(std::string_view group, std::string_view name) {
   const size_t dot = name.find('.');
   if (dot == std::string_view::npos) return name;
-  return name.substr(0, dot) == group ? name.substr(dot + 1) : std::string_view{};
+  const std::string_view before(name.data(), dot);  // substr() may throw: not without an OS
+  name.remove_prefix(dot + 1);
+  return before == group ? name : std::string_view{};
 }
 
 }  // namespace
