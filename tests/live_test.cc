@@ -43,8 +43,8 @@ void command(App& app, CommandKind kind, const char* text = "", float value = 0)
   (void)app.command(command);
 }
 
-// Silence of both sensors, a late clock, commands of every kind that changes the estimate: decisions
-// of a run that depend on time and on how fast mapping was.
+// Silence of both sensors, a spike, commands that change the estimate: decisions of a run that
+// depend on time and on how fast mapping was.
 TEST(live, what_was_recorded_of_a_live_run_replays_to_the_same_bytes) {
   const Folder folder("pirvs_live_");
   ReplayOptions live;

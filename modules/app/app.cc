@@ -16,6 +16,8 @@ namespace {
 static_assert(2 /* door, front-ends */ + Recorder::kFramesHeld <= bsp::kFramesLentMax,
               "the camera has a frame for whoever holds one");
 
+constexpr TimeNs kRecorderRest_ns = 1'000'000;  // in which it writes a file
+
 // For counters(): the scheduler lives from start() to finish() alone.
 void copy_counters(const Scheduler& scheduler, TaskCounters* counters) {
   for (size_t i = 0; i < scheduler.size(); ++i) counters[i] = scheduler.counters(i);
@@ -195,7 +197,11 @@ Status App::finish() {
 
 Status App::run(const CorePlan& plan, Drive drive) {
   PIRVS_TRY(start(plan, drive));
-  while (poll() == Status::kOk) {
+  for (Status status = Status::kOk; status != Status::kStale;) {
+    status = poll();
+    if (status != Status::kEmpty) continue;
+    if (recorder_has_room()) break;  // no more will come
+    bsp::wait(0, bsp::now() + kRecorderRest_ns);
   }
   return finish();
 }

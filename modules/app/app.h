@@ -39,6 +39,7 @@ enum class Drive : uint8_t { kTimed, kLockstep };
 
 // Life: configure, perhaps record(), pace(), delay_mapping(), then run(), or start, poll until
 // kStale, finish. All of that on one core, which becomes core 0 of the plan.
+// Many methods: life, commands and wiring of the whole device, a line or a few each.
 class App {
  public:
   // Forgets everything from an earlier run.
@@ -106,10 +107,8 @@ class App {
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
-  Status set_pose(const Vec3& p_WB, double yaw_rad);
+  Status execute_at_rest(const Command& command);
   Status retune(const char* name, float value);
-  Status save(const char* name);
-  Status load(const char* name);
   Status start_recording();
   Status stop_recording();
   Status start_recorder_core();

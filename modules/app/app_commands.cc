@@ -10,6 +10,58 @@
 #include "modules/map/map_file.h"
 
 namespace pirvs {
+namespace {
+
+Status set_pose(Estimator& estimator, TimeNs t, const Command& command) {
+  constexpr double kTurn_rad = 6.3;
+  if (!command.p_WB.allFinite() ||
+      !(command.yaw_rad >= -kTurn_rad && command.yaw_rad <= kTurn_rad)) {
+    return Status::kBadData;
+  }
+  return estimator.set_pose(t, command.p_WB, command.yaw_rad);
+}
+
+// Written beside the old one and then put in its place: whenever power fails, one of them is whole.
+Status save(const Map& map, const char* name) {
+  Text<Command::kTextMax + 8> part;
+  part.put(name).put(".part");
+  const Result<bsp::File> opened = bsp::storage_open(part.c_str());
+  if (!opened.ok()) return opened.status();
+  bsp::File file = opened.value();
+  const auto write = [](void* to, const void* data, size_t size) {
+    return bsp::storage_write(*static_cast<bsp::File*>(to), data, size);
+  };
+  Status status = save_map(map, {&file, write});
+  if (status == Status::kOk) status = bsp::storage_sync(file);
+  const Status closed = bsp::storage_close(file);
+  if (status == Status::kOk) status = closed;
+  if (status == Status::kOk) return bsp::storage_rename(part.c_str(), name);
+  (void)bsp::storage_remove(part.c_str());
+  return status;
+}
+
+// Read twice: a file that is not whole changes nothing.
+Status load(Estimator& estimator, TimeNs t, const char* name) {
+  Status status = Status::kOk;
+  for (const bool verify : {true, false}) {
+    const Result<bsp::File> opened = bsp::storage_open_to_read(name);
+    if (!opened.ok()) return opened.status();
+    bsp::File file = opened.value();
+    const auto read = [](void* from, void* data, size_t size) {
+      const Result<size_t> count = bsp::storage_read(*static_cast<bsp::File*>(from), data, size);
+      if (!count.ok()) return count.status();
+      return count.value() == size ? Status::kOk : Status::kBadData;
+    };
+    const MapSource source = {&file, read};
+    status = verify ? verify_map(source) : estimator.load_map(t, source);
+    const Status closed = bsp::storage_close(file);
+    if (status == Status::kOk) status = closed;
+    if (status != Status::kOk) break;
+  }
+  return status;
+}
+
+}  // namespace
 
 // The door's core, which calls poll(), is core 0 in every plan.
 Result<uint32_t> App::command(const Command& command) {
@@ -66,32 +118,27 @@ Status App::execute(const Command& command) {
   }
   estimator_.map_gate().open();
   if (!estimator_.mapping_rests()) return Status::kEmpty;
+  const Status status = execute_at_rest(command);
+  output_.fuse(estimator_.fused());
+  return status;
+}
+
+Status App::execute_at_rest(const Command& command) {
   switch (command.kind) {
     case CommandKind::kReset:
       estimator_.reset(door_t_, "reset by command");
-      output_.fuse(estimator_.fused());
       return Status::kOk;
     case CommandKind::kSetParameter:
       return retune(command.text, command.value);
     case CommandKind::kSetPose:
-      return set_pose(command.p_WB, command.yaw_rad);
+      return set_pose(estimator_, door_t_, command);
     case CommandKind::kSaveMap:
-      return save(command.text);
+      return save(estimator_.map(), command.text);
     case CommandKind::kLoadMap:
-      return load(command.text);
+      return load(estimator_, door_t_, command.text);
     default:
       return Status::kNotFound;
   }
-}
-
-Status App::set_pose(const Vec3& p_WB, double yaw_rad) {
-  constexpr double kTurn_rad = 6.3;
-  if (!p_WB.allFinite() || !(yaw_rad >= -kTurn_rad && yaw_rad <= kTurn_rad)) {
-    return Status::kBadData;
-  }
-  PIRVS_TRY(estimator_.set_pose(door_t_, p_WB, yaw_rad));
-  output_.fuse(estimator_.fused());
-  return Status::kOk;
 }
 
 // The door's own are fixed once it is open.
@@ -110,47 +157,6 @@ Status App::retune(const char* name, float value) {
   params_ = changed;
   estimator_.retune(for_lens(params_, calibration_.camera[0]));
   return Status::kOk;
-}
-
-// Written beside the old one and then put in its place: whenever power fails, one of them is whole.
-Status App::save(const char* name) {
-  Text<Command::kTextMax + 8> part;
-  part.put(name).put(".part");
-  const Result<bsp::File> opened = bsp::storage_open(part.c_str());
-  if (!opened.ok()) return opened.status();
-  bsp::File file = opened.value();
-  const auto write = [](void* to, const void* data, size_t size) {
-    return bsp::storage_write(*static_cast<bsp::File*>(to), data, size);
-  };
-  Status status = save_map(estimator_.map(), {&file, write});
-  if (status == Status::kOk) status = bsp::storage_sync(file);
-  const Status closed = bsp::storage_close(file);
-  if (status == Status::kOk) status = closed;
-  if (status == Status::kOk) return bsp::storage_rename(part.c_str(), name);
-  (void)bsp::storage_remove(part.c_str());
-  return status;
-}
-
-// Read twice: a file that is not whole changes nothing.
-Status App::load(const char* name) {
-  Status status = Status::kOk;
-  for (const bool verify : {true, false}) {
-    const Result<bsp::File> opened = bsp::storage_open_to_read(name);
-    if (!opened.ok()) return opened.status();
-    bsp::File file = opened.value();
-    const auto read = [](void* from, void* data, size_t size) {
-      const Result<size_t> count = bsp::storage_read(*static_cast<bsp::File*>(from), data, size);
-      if (!count.ok()) return count.status();
-      return count.value() == size ? Status::kOk : Status::kBadData;
-    };
-    const MapSource source = {&file, read};
-    status = verify ? verify_map(source) : estimator_.load_map(door_t_, source);
-    const Status closed = bsp::storage_close(file);
-    if (status == Status::kOk) status = closed;
-    if (status != Status::kOk) break;
-  }
-  output_.fuse(estimator_.fused());
-  return status;
 }
 
 Status App::start_recording() {

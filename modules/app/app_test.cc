@@ -16,6 +16,7 @@
 
 #include "board/host/wiring.h"
 #include "bsp/api/clock.h"
+#include "bsp/linux/storage.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs {

@@ -24,6 +24,7 @@
 
 namespace pirvs {
 
+// Many methods: what its cores, commands and reports need, a line or a few each.
 class Estimator {
  public:
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);

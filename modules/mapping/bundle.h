@@ -20,6 +20,7 @@
 
 namespace pirvs {
 
+// Many methods: the steps of one solver over one set of arrays.
 class Bundle {
  public:
   static constexpr int kFreeMax = 12;

@@ -1,3 +1,4 @@
+// Long file: one fixture builds the windows of all its tests.
 #include "modules/mapping/bundle.h"
 
 #include <gtest/gtest.h>

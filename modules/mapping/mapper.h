@@ -43,6 +43,7 @@ inline constexpr CounterRow<MappingCounters> kMappingCounters[] = {
 };
 static_assert(every_counter_is_in(kMappingCounters));
 
+// Many methods: the steps of one keyframe into one map; the window and the upkeep share all of it.
 class Mapper {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const MappingParams& params,

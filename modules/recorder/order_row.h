@@ -1,6 +1,6 @@
 // A row of order.csv: one arrival at the door, or a decision that arrivals do not determine.
-// In      Arrivals in their order. The items themselves are in their sensors' tables: the n-th "imu"
-//         row is the n-th row of imu0/data.csv, and a frame's images are the next ones of each
+// In      Arrivals in their order. The items themselves are in their sensors' tables: the n-th
+//         "imu" row is the n-th row of imu0/data.csv, and a frame's images are the next ones of each
 //         camera that it says is present.
 // Out     One line of text: kind,stamp [ns], and by kind
 //           imu,T,LOST             1: the driver lost samples before this one
@@ -10,8 +10,8 @@
 //           fault,SENSOR,STATUS    sensor imu or camera; status bus_fault, timeout or bad_data
 //           end,SENSOR
 //           map,SEQUENCE           the frame in work used mapping's result of this keyframe
-// Errors  none. GNSS fixes, wheel samples, edges and what a driver says of a lost device have no row:
-//         no intake asks for them yet.
+// Errors  none. GNSS fixes, wheel samples, edges and what a driver says of a lost device have no
+//         row: no intake asks for them yet.
 // Cost    ~1 us a row (x86-64); 48 bytes in memory beside a command's 168.
 // Source  docs/architecture.md, "One way for the data".
 #pragma once

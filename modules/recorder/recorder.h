@@ -1,7 +1,7 @@
 // Writes everything that comes to the sensor door as an ASL folder, beside the estimator and never
 // in its way: raw, before any of it is judged, so that a run can be had again.
-// In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in work
-//         used that arrivals do not say. step(): from a core that has time, at best its own.
+// In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in
+//         work used that arrivals do not say. step(): from a core that has time, at best its own.
 //         A frame is held (bsp::camera_retain) until it is written.
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
 //         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a

@@ -76,8 +76,8 @@ struct FrameResult {
 class Tracker {
  public:
   // Called again: other parameters from now on; what is tracked goes on, an attempt to start begins
-  // anew. `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist. Front-ends,
-  // ring and mailbox stay the caller's and outlive the tracker.
+  // anew. `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist.
+  // Front-ends, ring and mailbox stay the caller's and outlive the tracker.
   void configure(const Camera* cameras, int count, const ImuNoise& noise,
                  const TrackingParams& params, Frontend* frontends, KeyframeRing* keyframes,
                  MapMailbox* map);

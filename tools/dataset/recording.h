@@ -2,8 +2,8 @@
 // In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are
 //         needed; cam1 and state_groundtruth_estimate0 (or groundtruth.tum) are used if they are
 //         there.
-// Out     Frames and samples in order of time, or, where the recording has an order.csv, all of them
-//         in the order in which they came. A frame whose partner is missing stays, alone.
+// Out     Frames and samples in order of time, or, where the recording has an order.csv, all of
+//         them in the order in which they came. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
 // Units   t in ns, each sensor's own stamps; rad/s, m/s^2.
 // Errors  InputError: a needed file is missing or unreadable, a line is not data, no frames, a
