@@ -24,12 +24,13 @@ class Preloaded {
  public:
   explicit Preloaded(const tools::Recording& recording) : recording_(recording) {
     tools::Player player(recording);
-    for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+    while (const StereoFrame* const frame = player.next()) {
       frames_.push_back(*frame);
       for (ImageView& image : frames_.back().image) {
         pixels_.emplace_back(image.data, image.data + image.height * image.stride);
         image.data = pixels_.back().data();
       }
+      player.release(frame);
     }
   }
   void rewind() { frame_at_ = imu_at_ = 0; }

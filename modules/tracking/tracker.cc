@@ -46,6 +46,7 @@ void Tracker::add_imu(const ImuSample& measured) {
   const bool follows = !history_.empty();
   const ImuSample before = follows ? history_.newest() : sample;
   history_.add(sample);
+  force_B_ = sample.f_B;
   if (running_) {
     estimate_.propagate(sample);
     if (follows) keyframer_.integrate(before, sample);
@@ -57,7 +58,7 @@ void Tracker::add_imu(const ImuSample& measured) {
 Vec3 Tracker::prepare() {
   if (!running_) {
     associator_.predict(initializer_.take_turn());
-    return history_.empty() ? Vec3(0, 0, -kGravity_m_s2) : Vec3(-history_.newest().f_B);
+    return -force_B_;
   }
   take_snapshot();
   const SE3& T_WB = estimate_.state().T_WB;

@@ -146,6 +146,7 @@ class Tracker {
   Initializer initializer_;
   Health health_;
 
+  Vec3 force_B_ = Vec3::Zero();  // the newest, whatever was interrupted since: which way is up
   bool running_ = false;
   bool in_doubt_ = false;
   TimeNs last_frame_t_ = 0;

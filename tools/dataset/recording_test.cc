@@ -223,9 +223,10 @@ TEST(player, frames_held_out_of_order_keep_their_pixels) {
   const int pixel = second->image[1].row(5)[7];
   player.release(first);
   size_t played = 2;
-  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+  while (const StereoFrame* const frame = player.next()) {
     EXPECT_NE(frame, second);
     EXPECT_EQ(frame->info[0].sequence, played++);
+    player.release(frame);
   }
   EXPECT_EQ(second->t, recording.frames[1].t);
   EXPECT_EQ(second->image[1].row(5)[7], pixel);
@@ -241,8 +242,9 @@ TEST(player, images_that_cannot_be_read_are_left_out_and_counted) {
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
   std::vector<int> present;
-  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+  while (const StereoFrame* const frame = player.next()) {
     present.push_back(frame->present);
+    player.release(frame);
   }
   EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 1, 2, 1, 2, 3, 3, 3, 3, 3}));
   EXPECT_EQ(value(player.rejected(), "images_missing"), 1u);
@@ -262,8 +264,9 @@ TEST(player, a_jpeg_cut_off_is_left_out) {
   const Recording recording = open_recording(disk.folder(), {});
   Player player(recording);
   std::vector<int> present;
-  for (; const StereoFrame* frame = player.next(); player.release(frame)) {
+  while (const StereoFrame* const frame = player.next()) {
     present.push_back(frame->present);
+    player.release(frame);
   }
   EXPECT_EQ(present, (std::vector<int>{3, 3, 2, 3, 3, 3, 3, 3, 3, 3, 3, 3}));
   EXPECT_EQ(value(player.rejected(), "images_cut_off"), 1u);
