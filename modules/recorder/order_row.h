@@ -1,6 +1,6 @@
 // A row of order.csv: one arrival at the door, or a decision that arrivals do not determine.
 // In      Arrivals in their order. The items themselves are in their sensors' tables: the n-th
-//         "imu" row is the n-th row of imu0/data.csv, and a frame's images are the next ones of each
+//         "imu" row is the n-th of imu0/data.csv, and a frame's images are the next ones of each
 //         camera that it says is present.
 // Out     One line of text: kind,stamp [ns], and by kind
 //           imu,T,LOST             1: the driver lost samples before this one
