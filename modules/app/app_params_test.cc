@@ -25,7 +25,7 @@ TEST(AppParams, StayWhenAValueIsRefused) {
   const struct {
     const char *name, *text;
     ParamStatus status;
-  } kRefused[] = {
+  } refused[] = {
       {"sigma_px", "1", ParamStatus::kAmbiguous},
       {"nothing", "1", ParamStatus::kNotFound},
       {"filter.lk_levels", "3", ParamStatus::kNotFound},
@@ -38,7 +38,7 @@ TEST(AppParams, StayWhenAValueIsRefused) {
       {"mapping.window", "nan", ParamStatus::kNotANumber},
       {"mapping.window", "", ParamStatus::kNotANumber},
   };
-  for (const auto& refused : kRefused) {
+  for (const auto& refused : refused) {
     AppParams params;
     const ParamAnswer answer = set_parameter(params, refused.name, refused.text);
     EXPECT_EQ(answer.status, refused.status) << refused.name << "=" << refused.text;

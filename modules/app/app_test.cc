@@ -54,8 +54,8 @@ class Still {
       camera.width = kWidth;
       camera.height = kHeight;
       camera.fx = camera.fy = 200;
-      camera.cx = kWidth / 2;
-      camera.cy = kHeight / 2;
+      camera.cx = kWidth / 2.0;
+      camera.cy = kHeight / 2.0;
       camera.T_BC.R << 0, 0, 1, -1, 0, 0, 0, -1, 0;
       camera.T_BC.p = Vec3(0, c == 0 ? 0.05 : -0.05, 0);
     }
