@@ -44,6 +44,11 @@ void Estimator::configure_tracking() {
 
 // A consumer that counts resets sees one more, not a count that begins again.
 void Estimator::reset(TimeNs t, const char* why) {
+  const MappingHold hold(*this);
+  rebuild(t, why);
+}
+
+void Estimator::rebuild(TimeNs t, const char* why) {
   resets_before_ += tracker_.trust().resets + 1;
   tracker_.~Tracker();  // in place: no stack could hold another
   new (&tracker_) Tracker;
@@ -57,6 +62,7 @@ void Estimator::reset(TimeNs t, const char* why) {
 }
 
 void Estimator::retune(const AppParams& params) {
+  const MappingHold hold(*this);
   params_ = params;
   for (Frontend& frontend : frontend_) frontend.retune(params.frontend);
   configure_tracking();
@@ -74,6 +80,7 @@ Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
       s * from.x() - c * from.y(), c * from.x() + s * from.y(), 0,     //
       0, 0, 1;
   T.p = p_WB - T.R * now.p;
+  const MappingHold hold(*this);
   mapper_.move_world(T);
   tracker_.move_world(T);
   tell_health(t, "pose set by command");
@@ -81,7 +88,8 @@ Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
 }
 
 Status Estimator::load_map(TimeNs t, const MapSource& source) {
-  reset(t, "gave up what ran for a saved map");
+  const MappingHold hold(*this);
+  rebuild(t, "gave up what ran for a saved map");
   PIRVS_TRY(mapper_.load(source));
   uint32_t sequence = 0;
   uint16_t epoch = 0;
@@ -200,6 +208,13 @@ bool Estimator::mapping_done() const {
 }
 
 Step Estimator::mapping_step() {
+  mapping_inside_.store(true);
+  const Step step = mapping_held_.load() ? Step::kIdle : adjust_map();
+  mapping_inside_.store(false);
+  return step;
+}
+
+Step Estimator::adjust_map() {
   if (!mapper_.busy() || mapper_.finished() >= map_gate_.limit()) return Step::kIdle;
   PIRVS_TRACE("mapping");
   const TimeNs begin = bsp::cpu_time();

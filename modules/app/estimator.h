@@ -73,7 +73,26 @@ class Estimator {
   // Of the frame in work.
   enum class Stage : uint8_t { kIdle, kMap, kFrontend, kTracking };
 
+  // As long as it lives, mapping's step does nothing: a resting mapper is asked for work all the
+  // time by its own core.
+  class MappingHold {
+   public:
+    explicit MappingHold(Estimator& estimator) : estimator_(estimator) {
+      estimator.mapping_held_.store(true);
+      while (estimator.mapping_inside_.load()) {
+      }
+    }
+    ~MappingHold() { estimator_.mapping_held_.store(false); }
+    MappingHold(const MappingHold&) = delete;
+    MappingHold& operator=(const MappingHold&) = delete;
+
+   private:
+    Estimator& estimator_;
+  };
+
   void configure_tracking();
+  void rebuild(TimeNs t, const char* why);
+  Step adjust_map();
   void report(const FrameResult& result, TimeNs matching_ns);
 
   Calibration calibration_;
@@ -94,6 +113,7 @@ class Estimator {
   std::atomic<bool> frontend_todo_[kCamerasMax] = {};
   std::atomic<int64_t> frontend_ns_[kCamerasMax] = {};
   std::atomic<int64_t> mapping_ns_{0};
+  std::atomic<bool> mapping_held_{false}, mapping_inside_{false};
   int64_t tracking_ns_ = 0;
   FrameReport report_;
   bool report_pending_ = false;
