@@ -1,5 +1,7 @@
 #include "tests/replay.h"
 
+#include <gtest/gtest.h>
+
 #include <unistd.h>
 
 #include <cmath>
@@ -82,6 +84,13 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   out.log.finish(app);
   out.result = make_result(recording, out.log, out.status);
   return out;
+}
+
+void expect_no_failures(const Replay& replay) {
+  for (const char* name : {"adjustments_failed", "keyframes_dropped", "bundle_full",
+                           "points_full", "poses_not_finite"}) {
+    EXPECT_EQ(replay.counter(name), 0u) << name;
+  }
 }
 
 void print(const char* what, const Replay& replay) {

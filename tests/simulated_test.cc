@@ -24,6 +24,7 @@ void expect_tracked(const Replay& run) {
   EXPECT_LE(run.first_pose_s(), 2.0);
   EXPECT_EQ(run.result.frames_lost, 0u);
   EXPECT_EQ(run.result.frames_dropped, 0u);
+  expect_no_failures(run);
   ASSERT_TRUE(run.result.evaluation.ok);
   EXPECT_LE(run.ate_of_path(), kAteOfPath_max);
 }

@@ -21,8 +21,8 @@ struct ImuSample {
   TimeNs t = 0;
   Vec3 w_B = Vec3::Zero();
   Vec3 f_B = Vec3::Zero();
-  // Since the sample before none was measured for this long, and a line stands for what was missed;
-  // 0: the sensor's own rate. The door knows; drivers leave it.
+  // Length of the sequence gap before this sample, s: propagation interpolates linearly over it.
+  // 0: none was lost. The door sets it; drivers leave it 0.
   float gap_s = 0;
 };
 

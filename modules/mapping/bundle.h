@@ -1,8 +1,8 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
 // In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
-// Out     refined states and points, each point's covariance given all frames, each observation's
+// Out     refined states and points, each point's covariance conditional on all poses, each observation's
 //         residual; given the fixed frames, the covariance of the newest frame (added last) and of
-//         the oldest free one's pose; and how both follow when the fixed ones are off together.
+//         the oldest free one's pose; and how both follow a rigid error of all fixed frames.
 // Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
 //         errors_known(): false when the system of equations is not positive definite.
@@ -48,8 +48,9 @@ class Bundle {
   const Mat6& oldest_pose_cov() const { return oldest_pose_cov_; }
   // The covariances above and what follows below hold only if this does.
   bool errors_known() const { return errors_known_; }
-  // By how much the newest state and the oldest free pose move when all fixed frames turn and shift
-  // about the place of the oldest free frame. Inertia resists a tilt; nothing resists the rest.
+  // d (newest state), and d (oldest free pose), by a rigid error (theta, p) of all fixed frames
+  // about the place of the oldest free frame: one to one in heading and shift, less in tilt, which
+  // the IMU links resist.
   const Mat15x6& newest_follows() const { return newest_follows_; }
   const Mat6& oldest_follows() const { return oldest_follows_; }
   // Residual in sigmas after the last step; infinite for a point behind its camera.

@@ -16,8 +16,9 @@ struct Pair {
   Vec15 g_a, g_b;
 };
 
-// Vision's relative pose of b in a. Its residual is the one that keeps both where the adjustment
-// left them: there, vision balanced what the IMU and the prior wanted of a's pose.
+// Vision's relative pose of b in a. Its residual is chosen so that the gradient of the whole pair
+// vanishes at the adjusted states: at the optimum, vision's gradient is minus that of the IMU link
+// and the prior.
 void add_relative_pose(const BodyState& a, const BodyState& b, const MappingParams& params,
                        Pair& pair) {
   Mat6 J_a = Mat6::Zero(), J_b = Mat6::Zero();

@@ -49,8 +49,8 @@ class Filter {
   int locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& correspondences);
   // As rest begins: 0 = v_WB + n and w_B = b_g + n.
   void update_standstill(const Vec3& w_mean_B);
-  // As it goes on: the body is where it was, `state` with `cov`, whatever the IMU added since; that
-  // measured its biases and gravity instead.
+  // As rest goes on: pose and velocity stay those of `state` with `cov`; dead reckoning since then
+  // is discarded, and the samples serve as measurements of the biases and of gravity instead.
   void hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B, const Vec3& f_mean_B);
 
   const BodyState& state() const { return state_; }

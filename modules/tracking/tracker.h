@@ -152,7 +152,7 @@ class Tracker {
   TimeNs last_frame_t_ = 0;
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
   bool place_known_ = true;          // this epoch is the map's first, or was joined to it
-  TimeNs light_since_ = 0;  // blind no longer, but the place not yet recognised; 0: neither
+  TimeNs light_since_ = 0;  // images are usable again, the place is not recognised yet; 0: not so
   bool located_ = false;    // matches have been enough since the start
   bool joining_ = false;    // mapping carries this epoch over to another by T_join_
   SE3 T_join_;
