@@ -87,8 +87,8 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
 }
 
 void expect_no_failures(const Replay& replay) {
-  for (const char* name : {"adjustments_failed", "keyframes_dropped", "bundle_full",
-                           "points_full", "poses_not_finite"}) {
+  for (const char* name : {"adjustments_failed", "keyframes_dropped", "bundle_full", "points_full",
+                           "poses_not_finite"}) {
     EXPECT_EQ(replay.counter(name), 0u) << name;
   }
 }

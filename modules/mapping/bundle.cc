@@ -370,9 +370,9 @@ void Bundle::resist_tilt(int axis, const Vec3& at, double* out) const {
       prior_.information * rigid_motion(frame.state, at).col(axis);
 }
 
-// Covariances, from the undamped system of the last linearization. Reprojection errors do not change
-// when the fixed frames and all others move as one rigid body, so the free frames follow an error
-// of the fixed ones completely, but in tilt: there the IMU links and the prior resist.
+// Covariances, from the undamped system of the last linearization. Reprojection errors do not
+// change when the fixed frames and all others move as one rigid body, so the free frames follow an
+// error of the fixed ones completely, but in tilt: there the IMU links and the prior resist.
 void Bundle::finish() {
   const size_t n = static_cast<size_t>(unknowns_);
   copy_system(0);

@@ -1,8 +1,9 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
 // In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
-// Out     refined states and points, each point's covariance conditional on all poses, each observation's
-//         residual; given the fixed frames, the covariance of the newest frame (added last) and of
-//         the oldest free one's pose; and how both follow a rigid error of all fixed frames.
+// Out     refined states and points, each point's covariance conditional on all poses, each
+//         observation's residual; given the fixed frames, the covariance of the newest frame (added
+//         last) and of the oldest free one's pose; and how both follow a rigid error of all fixed
+//         frames.
 // Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
 //         errors_known(): false when the system of equations is not positive definite.
