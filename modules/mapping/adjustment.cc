@@ -176,7 +176,7 @@ bool Adjustment::finish(WorkingMap& map) {
   if (adjusted) {
     write_back(map);
     spread_error(map);
-  } else {
+  } else if (bundle_.points() > 0) {  // one camera's first keyframe has none: nothing to adjust
     ++counters_->adjustments_failed;
   }
   remove_outliers(map);  // above all after a failure: the next adjustment would meet them again
