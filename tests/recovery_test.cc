@@ -36,7 +36,7 @@ TEST(mono, simulated_flights_are_tracked_with_scale) {
     EXPECT_EQ(run.result.frames_lost, 0u);
     EXPECT_EQ(run.counter("camera_missing"), 0u);
     expect_no_failures(run);
-    EXPECT_LE(run.ate_of_path(), 0.02);
+    EXPECT_LE(run.ate_of_path(), 0.004);  // 0.0018 and 0.0027
   }
 }
 
@@ -48,20 +48,25 @@ TEST(mono, the_clip_starts_in_motion_and_keeps_its_scale) {
   EXPECT_EQ(run.result.frames_lost, 0u);
   EXPECT_EQ(run.counter("starts"), 1u);
   expect_no_failures(run);
-  EXPECT_LE(run.result.evaluation.ate_rmse_m, 0.0062);  // 0.0041
+  EXPECT_LE(run.result.evaluation.ate_rmse_m, 0.0075);  // 0.0050
 }
 
 TEST(camera_loss, the_clip_goes_on_with_either_camera) {
   if (clip() == nullptr) GTEST_SKIP() << "the real recording is not on this machine";
-  const std::vector<std::vector<std::string>> losses = {
-      {"cam1:5-10"}, {"cam0:7-12"}, {"cam1:5-10", "cam0:7-12"}};
-  for (const std::vector<std::string>& faults : losses) {
-    const Replay run = replay(*clip(), {1, faults});
-    print(faults.front().c_str(), run);
+  const struct {
+    std::vector<std::string> faults;
+    double ate_m_max;
+  } losses[] = {{{"cam1:5-10"}, 0.005},                // 0.0031
+                {{"cam0:7-12"}, 0.005},                // 0.0034
+                {{"cam1:5-10", "cam0:7-12"}, 0.025}};  // 0.0167
+  for (const auto& loss : losses) {
+    const Replay run = replay(*clip(), {1, loss.faults});
+    print(loss.faults.front().c_str(), run);
     EXPECT_EQ(run.result.frames_lost, 0u);
     EXPECT_EQ(run.counter("losses"), 0u);
     EXPECT_GT(run.counter("keyframes"), 25u) << "one camera makes keyframes, too";
-    EXPECT_LE(run.result.evaluation.ate_rmse_m, 0.05);
+    expect_no_failures(run);
+    EXPECT_LE(run.result.evaluation.ate_rmse_m, loss.ate_m_max);
   }
 }
 

@@ -10,7 +10,8 @@
 namespace pirvs::systems {
 namespace {
 
-constexpr double kAteOfPath_max = 0.005;
+// Of the path, 1.5 times what is reached.
+constexpr double kEuroc_max = 0.0017, kIronsides_max = 0.0027;
 
 // Shared: a run takes seconds.
 const Replay& euroc_run() {
@@ -18,7 +19,7 @@ const Replay& euroc_run() {
   return run;
 }
 
-void expect_tracked(const Replay& run) {
+void expect_tracked(const Replay& run, double ate_of_path_max) {
   EXPECT_EQ(run.status, Status::kOk);
   EXPECT_EQ(run.result.exit_status(), 0);
   EXPECT_LE(run.first_pose_s(), 2.0);
@@ -26,12 +27,12 @@ void expect_tracked(const Replay& run) {
   EXPECT_EQ(run.result.frames_dropped, 0u);
   expect_no_failures(run);
   ASSERT_TRUE(run.result.evaluation.ok);
-  EXPECT_LE(run.ate_of_path(), kAteOfPath_max);
+  EXPECT_LE(run.ate_of_path(), ate_of_path_max);
 }
 
-TEST(simulated_flight, euroc_is_tracked_to_half_a_percent) {
+TEST(simulated_flight, euroc_is_tracked) {
   print("euroc", euroc_run());
-  expect_tracked(euroc_run());
+  expect_tracked(euroc_run(), kEuroc_max);
 }
 
 // NEES is 3 where the covariance is honest; the filter's alone gives 1000. One flight says no more.
@@ -44,25 +45,29 @@ TEST(simulated_flight, the_covariance_contains_the_error) {
   }
 }
 
-TEST(simulated_flight, ironsides_fisheyes_are_tracked_to_half_a_percent) {
+TEST(simulated_flight, ironsides_fisheyes_are_tracked) {
   const Replay run = replay(simulated(SimulatedDevice::kIronsides));
   print("ironsides", run);
-  expect_tracked(run);
+  expect_tracked(run, kIronsides_max);
 }
 
 // Other sizes and lenses with the same parameters: 512 x 512, 848 x 800, 1280 x 800. Fewer frames
 // than the devices give: drawing takes the time.
-TEST(simulated_flight, other_devices_are_tracked_to_half_a_percent) {
-  for (const char* device : {"tumvi", "t265", "oakd"}) {
-    SCOPED_TRACE(device);
+TEST(simulated_flight, other_devices_are_tracked) {
+  const struct {
+    const char* name;
+    double ate_of_path_max;
+  } devices[] = {{"tumvi", 0.0021}, {"t265", 0.0016}, {"oakd", 0.0011}};
+  for (const auto& device : devices) {
+    SCOPED_TRACE(device.name);
     tools::SimOptions options;
-    options.device = device;
+    options.device = device.name;
     options.duration_s = 6;
     options.rate_hz = 20;
     options.blur = 1;
-    const Replay run = replay(made(options, device));
-    print(device, run);
-    expect_tracked(run);
+    const Replay run = replay(made(options, device.name));
+    print(device.name, run);
+    expect_tracked(run, device.ate_of_path_max);
   }
 }
 
@@ -96,7 +101,7 @@ TEST(simulated_flight, three_cores_finish) {
   print("euroc, three cores", run);
   EXPECT_EQ(run.result.exit_status(), 0);
   EXPECT_EQ(run.result.frames_lost, 0u);
-  EXPECT_LE(run.ate_of_path(), 2 * kAteOfPath_max);
+  EXPECT_LE(run.ate_of_path(), 2 * kEuroc_max);
 }
 
 }  // namespace
