@@ -347,6 +347,57 @@ TEST_F(AppLife, IsCommandedFromAnotherThreadWhileItRuns) {
   EXPECT_GE(log_.frames, 40);
 }
 
+// A sink runs within the door's step: one that dawdles makes the door late.
+struct Dawdler {
+  int late = 0, overruns = 0;
+  TimeNs first = 0, last = 0;
+
+  AppSinks sinks() {
+    AppSinks sinks;
+    sinks.context = this;
+    sinks.frame = [](void*, const FrameReport&) {
+      const TimeNs end = bsp::now() + 20'000'000;
+      while (bsp::now() < end) {
+      }
+    };
+    sinks.late = [](void* context, TimeNs, const LateTask& task) {
+      Dawdler& self = *static_cast<Dawdler*>(context);
+      if (std::strcmp(task.name, "door") != 0) return;
+      self.last = bsp::now();
+      if (self.late++ == 0) self.first = self.last;
+      self.overruns += static_cast<int>(task.overruns);
+    };
+    return sinks;
+  }
+};
+
+TEST_F(AppLife, TellsOfATaskThatIsLateAgainAndAgain) {
+  Still still(60);
+  Dawdler dawdler;
+  app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
+  board::play(still.source(), bsp::ReplayPace::kRealTime);
+  EXPECT_EQ(app_->run(kTwoCores, Drive::kTimed), Status::kOk);
+  EXPECT_GE(dawdler.late, 2);
+  EXPECT_LE(dawdler.late, 1.1 + to_seconds(dawdler.last - dawdler.first)) << "once a second";
+  EXPECT_GE(dawdler.overruns, 20);
+  EXPECT_GE(counter(*app_, "overruns_door"), static_cast<uint64_t>(dawdler.overruns));
+}
+
+// The clock may not get into what a replay tells.
+TEST_F(AppLife, TellsNothingOfTimeInAReplay) {
+  for (const bool threads : {false, true}) {
+    Still still(30);
+    Dawdler dawdler;
+    app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
+    board::play(still.source(), bsp::ReplayPace::kFast);
+    app_->pace(threads ? fast_may_go_on : lockstep_may_go_on);
+    EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
+              Status::kOk);
+    EXPECT_GE(counter(*app_, "overruns_door"), 25u);
+    EXPECT_EQ(dawdler.late, 0);
+  }
+}
+
 TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {
   std::vector<BodyState> states[2];
   for (const bool threads : {false, true}) {
