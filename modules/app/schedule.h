@@ -43,11 +43,11 @@ constexpr Schedule schedule(const CorePlan& plan) {
   const uint32_t frame_us = 1'000'000u / plan.frames_hz;
   return {{
       // name, how often, budget, core, who may have work after its steps
-      task("door", kImu_us, {500, 1'200}, plan.door, left | right | mapping),
-      task("left", frame_us, {5'000, 15'000}, plan.left, tracking),
-      task("right", frame_us, {5'000, 15'000}, plan.right, tracking),
-      task("tracking", frame_us, {4'000, 11'000}, plan.tracking, door | mapping),
-      task("mapping", 0, {4'000, 11'000}, plan.mapping, door),  // in slices
+      task("door", kImu_us, {500, 1'500}, plan.door, left | right | mapping),
+      task("left", frame_us, {5'000, 16'000}, plan.left, tracking),
+      task("right", frame_us, {5'000, 16'000}, plan.right, tracking),
+      task("tracking", frame_us, {5'000, 16'000}, plan.tracking, door | mapping),
+      task("mapping", 0, {4'000, 12'000}, plan.mapping, door),  // in slices
   }};
 }
 
