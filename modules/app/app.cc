@@ -88,13 +88,7 @@ Step App::door_step(TimeNs now) {
     intake_.drain_imu();  // each sample is to be told at once, whatever a frame in work takes
     tell_late(now);
   }
-  if (!estimator_.idle()) {
-    const Step step = estimator_.wait_for_map();
-    if (step == Step::kAgain && recorder_.started()) {
-      recorder_.decision(estimator_.tracker().map_keyframe());
-    }
-    return step;
-  }
+  if (!estimator_.idle()) return Step::kIdle;
   if (estimator_.mapping_done()) mapping_done_t_ = door_t_;
   if (command_step()) return Step::kAgain;
   if (ending_) end_when_done();
@@ -107,6 +101,14 @@ Step App::door_step(TimeNs now) {
   if (status != Status::kOk) return ending_ ? Step::kAgain : Step::kIdle;
   take(item);
   return Step::kAgain;
+}
+
+Step App::prepare_step() {
+  const Step step = estimator_.wait_for_map();
+  if (step == Step::kAgain && recorder_.started()) {
+    recorder_.decision(estimator_.tracker().map_keyframe());
+  }
+  return step;
 }
 
 void App::take(const DoorItem& item) {
@@ -155,6 +157,7 @@ Status App::start(const CorePlan& plan, Drive drive) {
   drive_ = drive;
   static constexpr Step (*kSteps[kTasks])(void*, TimeNs) = {
       [](void* a, TimeNs now) { return static_cast<App*>(a)->door_step(now); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->prepare_step(); },
       [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(0); },
       [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(1); },
       [](void* a, TimeNs) { return static_cast<App*>(a)->tracking_step(); },
@@ -234,11 +237,10 @@ int App::counters(NamedValue* out, int max) const {
   }
   add("fused_states_missed", output_.predictor().anchors_missed());
   add("poses_not_finite", output_.predictor().not_finite());
-  static constexpr const char* kLate[kTasks][2] = {{"overruns_door", "slips_door"},
-                                                   {"overruns_left", "slips_left"},
-                                                   {"overruns_right", "slips_right"},
-                                                   {"overruns_tracking", "slips_tracking"},
-                                                   {"overruns_mapping", "slips_mapping"}};
+  static constexpr const char* kLate[kTasks][2] = {
+      {"overruns_door", "slips_door"},         {"overruns_prepare", "slips_prepare"},
+      {"overruns_left", "slips_left"},         {"overruns_right", "slips_right"},
+      {"overruns_tracking", "slips_tracking"}, {"overruns_mapping", "slips_mapping"}};
   for (int i = 0; i < kTasks; ++i) {
     add(kLate[i][0], task_counters_[i].overruns);
     add(kLate[i][1], task_counters_[i].slips);

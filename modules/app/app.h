@@ -95,6 +95,7 @@ class App {
   // Sensors, and not a recording that is held back: what the clock says means something.
   bool live() const { return drive_ == Drive::kTimed && may_go_on_ == nullptr; }
   Step door_step(TimeNs now);
+  Step prepare_step();
   Step tracking_step();
   void take(const DoorItem& item);
   void interrupt(TimeNs t, const char* why);

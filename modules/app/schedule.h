@@ -15,7 +15,7 @@
 
 namespace pirvs {
 
-enum TaskIndex : int { kDoor, kLeft, kRight, kTracking, kMapping, kTasks };
+enum TaskIndex : int { kDoor, kPrepare, kLeft, kRight, kTracking, kMapping, kTasks };
 
 // Which core runs what. On one core all tasks interleave.
 struct CorePlan {
@@ -38,16 +38,17 @@ constexpr Schedule schedule(const CorePlan& plan) {
     const bool slow = (plan.slow_cores >> core & 1) != 0;
     return Task{name, every_us, slow ? budget.a53_us : budget.a72_us, core, wakes};
   };
-  constexpr uint32_t door = 1u << kDoor, left = 1u << kLeft, right = 1u << kRight,
-                     tracking = 1u << kTracking, mapping = 1u << kMapping;
+  constexpr uint32_t door = 1u << kDoor, prepare = 1u << kPrepare, left = 1u << kLeft,
+                     right = 1u << kRight, tracking = 1u << kTracking, mapping = 1u << kMapping;
   const uint32_t frame_us = 1'000'000u / plan.frames_hz;
   return {{
       // name, how often, budget, core, who may have work after its steps
-      task("door", kImu_us, {500, 1'500}, plan.door, left | right | mapping),
+      task("door", kImu_us, {200, 600}, plan.door, prepare | mapping),
+      task("prepare", frame_us, {1'000, 3'000}, plan.door, left | right),  // a frame, for flow
       task("left", frame_us, {5'000, 16'000}, plan.left, tracking),
       task("right", frame_us, {5'000, 16'000}, plan.right, tracking),
       task("tracking", frame_us, {5'000, 16'000}, plan.tracking, door | mapping),
-      task("mapping", 0, {4'000, 12'000}, plan.mapping, door),  // in slices
+      task("mapping", 0, {3'000, 9'000}, plan.mapping, door | prepare),  // in slices
   }};
 }
 
