@@ -11,7 +11,7 @@
 
 namespace pirvs::bsp {
 
-// 40 times the longest step that any task's budget allows, and short for a robot in flight.
+// 60 times the longest budget of a task's step, and short for a robot in flight.
 inline constexpr TimeNs kWatchdog_ns = 1'000'000'000;
 
 void watchdog_kick(const char* task);

@@ -66,8 +66,8 @@ struct Waiting {
 
 struct TwoCores {
   Waiting rows[2];
-  const Task tasks[2] = {{"first", Waiting::step, &rows[0], 0, 1'000, 0},
-                         {"second", Waiting::step, &rows[1], 0, 1'000, 1}};
+  const Task tasks[2] = {{"first", 0, 1'000, 0, 0, Waiting::step, &rows[0]},
+                         {"second", 0, 1'000, 1, 0, Waiting::step, &rows[1]}};
   Scheduler scheduler{tasks, SchedulerHooks{now, wait, wake}};
   std::thread threads[2] = {std::thread([this] { scheduler.run(0); }),
                             std::thread([this] { scheduler.run(1); })};

@@ -1,17 +1,18 @@
-// Cooperative scheduler: after each step the first due row of the table runs.
+// Cooperative scheduler: after each step the first row of the table that has work runs.
 // In      A table of tasks in order of priority; the machine's clock, and how its cores wait for
-//         each other; trigger() and stop() from any core or step.
+//         each other; stop() from any core or step.
 // Out     Steps run to completion on the core of their row; counters per task.
-//         run(core): the rows of one core, by time, until stop(), which is for good. When nothing
-//         is due the core waits: for the next period, for a row of another core that names one of
-//         its rows in `wakes`, and never longer than kRest_ns: not all that a step looks at wakes.
-//         run_until_idle(): all rows in lockstep, as if every period had just passed, until every
-//         step says kIdle. The order depends on the table and the steps alone, not on a clock.
+//         run(core): the rows of one core until stop(), which is for good. Work runs at once: a row
+//         is asked whenever no row above it has work. When none of its rows has work the core
+//         waits, for a device, or for a row of another core that names one of its rows in `wakes`,
+//         and never longer than kRest_ns: not all that a step looks at wakes.
+//         run_until_idle(): all rows in lockstep until every step says kIdle. The order depends on
+//         the table and the steps alone, not on a clock.
 //         poll, poll_lockstep: one step of either, for a caller with other things to do.
 // Units   ns: the step's `now` is the clock's.
 // Errors  Never silent, counted per task: overrun, a step took longer than its budget by the clock
-//         (preemption counts: the rows above had to wait); slip, a whole period or a trigger passed
-//         without a run of its own.
+//         (preemption counts: the rows above had to wait); slip, the core came to ask a row later
+//         than its work may come, though it had not rested.
 // Cost    Two readings of the clock per step, 60 ns on x86-64 Linux; no heap. A core at rest wakes
 //         40 times a second.
 // Source  STYLE principles 1 and 2; ArduPilot AP_Scheduler.
@@ -32,15 +33,15 @@ enum class Step : uint8_t {
   kAgain,  // something was done: ask every row again, from the first
 };
 
+// The first four say when and where, constants of the design; the last two what.
 struct Task {
   const char* name;
-  Step (*step)(void* context, TimeNs now);
-  void* context;
-  uint32_t period_us;  // 0: background, asked whenever nothing above it is due
-  uint32_t budget_us;
+  uint32_t every_us;   // its work comes no more often; 0: background, takes the time that is left
+  uint32_t budget_us;  // of one step
   uint8_t core;
-  bool triggered = false;  // due by trigger() alone; period_us then only serves utilisation()
-  uint32_t wakes = 0;      // rows, by bit, that may have work after a step that said kAgain
+  uint32_t wakes = 0;  // rows, by bit, that may have work after a step that said kAgain
+  Step (*step)(void* context, TimeNs now) = nullptr;
+  void* context = nullptr;
 };
 
 inline constexpr int kAllCores = -1;
@@ -49,21 +50,22 @@ constexpr bool runs_on(const Task& task, int core) {
   return core == kAllCores || task.core == core;
 }
 
-// Share of a core that the periodic rows need when each uses its whole budget.
-template <size_t N>
-constexpr double utilisation(const Task (&tasks)[N], int core = kAllCores) {
+// Share of a core that its rows need when work comes as often as it may and each step uses its
+// whole budget. Background is left out.
+template <class Tasks>
+constexpr double utilisation(const Tasks& tasks, int core = kAllCores) {
   double sum = 0.0;
   for (const Task& task : tasks) {
-    if (runs_on(task, core) && task.period_us > 0) {
-      sum += static_cast<double>(task.budget_us) / task.period_us;
+    if (runs_on(task, core) && task.every_us > 0) {
+      sum += static_cast<double>(task.budget_us) / task.every_us;
     }
   }
   return sum;
 }
 
 // How long the first row may have to wait.
-template <size_t N>
-constexpr uint32_t longest_budget_us(const Task (&tasks)[N], int core = kAllCores) {
+template <class Tasks>
+constexpr uint32_t longest_budget_us(const Tasks& tasks, int core = kAllCores) {
   uint32_t longest = 0;
   for (const Task& task : tasks) {
     if (runs_on(task, core) && task.budget_us > longest) longest = task.budget_us;
@@ -71,7 +73,7 @@ constexpr uint32_t longest_budget_us(const Task (&tasks)[N], int core = kAllCore
   return longest;
 }
 
-// A core with nothing due looks around again after this long at the latest.
+// A core without work looks around again after this long at the latest.
 inline constexpr TimeNs kRest_ns = 25'000'000;
 
 // What the schedule needs of the machine.
@@ -104,8 +106,7 @@ class Scheduler {
   bool poll(int core);   // one step or one rest; false: stopped
   bool poll_lockstep();  // one step; false: stopped, or every step has said kIdle
   bool stopped() const { return stopped_.load(std::memory_order_relaxed); }
-  void stop();                // from any core or step
-  void trigger(size_t task);  // from any core or step
+  void stop();  // from any core or step
 
   size_t size() const { return count_; }
   const Task& task(size_t i) const {
@@ -118,24 +119,19 @@ class Scheduler {
   }
 
  private:
-  // Written by the core that runs the row, but for `pending` and the counters.
+  // Written by the core that runs the row. Others read the counters.
   struct State {
-    std::atomic<bool> pending{false};
-    bool idle = false;     // said kIdle, and nothing has happened on its core since
-    bool again = false;    // said kAgain: due whatever its period or trigger says
-    bool started = false;  // the first period begins when the row is first looked at
-    TimeNs due = 0;        // when the next period begins
+    bool idle = false;         // said kIdle, and nothing has happened on its core since
+    TimeNs asked = INT64_MAX;  // when the core last came to this row; INT64_MAX: it has rested
     TaskCounters counters;
   };
 
-  enum class Mode : uint8_t { kTimed, kLockstep };
-  bool run_first_due(int core, Mode mode);
-  bool is_due(size_t i, TimeNs now, Mode mode);
-  bool period_has_come(size_t i, TimeNs now);
+  bool run_first_due(int core);
+  void count_slips(size_t i, TimeNs now);
   Step execute(size_t i, TimeNs begin);
-  TimeNs next_period(int core) const;
   void wake_others(size_t i);
   void forget_idle(int core);
+  void forget_asked(int core);
   void say_alive(const char* task) {
     if (hooks_.alive != nullptr) hooks_.alive(task);
   }

@@ -1,13 +1,10 @@
 #include "modules/app/app.h"
 
-#include <algorithm>
-#include <iterator>
 #include <new>
 
 #include "bsp/api/clock.h"
 #include "bsp/api/events.h"
 #include "bsp/api/watchdog.h"
-#include "core/trace/trace.h"
 #include "modules/app/lens_scale.h"
 
 namespace pirvs {
@@ -78,16 +75,20 @@ void App::end_when_done() {
   if (estimator_.mapping_rests()) scheduler_->stop();
 }
 
-Step App::door_step() {
-  // Live, each sample is to be told at once, whatever a frame in work takes.
-  if (drive_ == Drive::kTimed && may_go_on_ == nullptr) intake_.drain_imu();
-  if (!estimator_.idle()) {
-    const Step step = estimator_.wait_for_map();
-    if (step == Step::kAgain && recorder_.started()) {
-      recorder_.decision(estimator_.tracker().map_keyframe());
-    }
-    return step;
+// Only live: a recording that is held back must tell the same, however long its steps take.
+void App::tell_late(TimeNs now) {
+  LateTask late;
+  while (late_watch_.next(*scheduler_, now, late)) {
+    if (sinks_.late != nullptr) sinks_.late(sinks_.context, door_t_, late);
   }
+}
+
+Step App::door_step(TimeNs now) {
+  if (live()) {
+    intake_.drain_imu();  // each sample is to be told at once, whatever a frame in work takes
+    tell_late(now);
+  }
+  if (!estimator_.idle()) return Step::kIdle;
   if (estimator_.mapping_done()) mapping_done_t_ = door_t_;
   if (command_step()) return Step::kAgain;
   if (ending_) end_when_done();
@@ -102,16 +103,22 @@ Step App::door_step() {
   return Step::kAgain;
 }
 
+Step App::prepare_step() {
+  const Step step = estimator_.wait_for_map();
+  if (step == Step::kAgain && recorder_.started()) {
+    recorder_.decision(estimator_.tracker().map_keyframe());
+  }
+  return step;
+}
+
 void App::take(const DoorItem& item) {
   switch (item.kind) {
-    case DoorItemKind::kFrame: {
-      PIRVS_TRACE("door.frame");
+    case DoorItemKind::kFrame:
       door_t_ = item.frame.t;
       copy_counters(*scheduler_, task_counters_);
       frame_present_ = item.frame.images.present;
       estimator_.begin(item.frame);
       break;
-    }
     case DoorItemKind::kImu:
       door_t_ = item.imu.t;
       if (item.broken) interrupt(item.imu.t, "input interrupted");
@@ -148,23 +155,20 @@ Status App::start(const CorePlan& plan, Drive drive) {
   PIRVS_ASSERT(drive == Drive::kTimed || plan.cores == 1);
   plan_ = plan;
   drive_ = drive;
-  const auto bits = [](TaskIndex a, TaskIndex b) { return 1u << a | 1u << b; };
-  // Budgets are those of an RK3399's A72 at 60 frames a second; periods 0 wait for what is above.
-  // The last column: who may have work when a step has done something.
-  const Task tasks[kTasks] = {
-      // name         step                                              context  period  budget core
-      {"door", [](void* a, TimeNs) { return static_cast<App*>(a)->door_step(); }, this, 0, 200,
-       plan.door, false, bits(kLeft, kRight) | 1u << kMapping},
-      {"left", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(0); },
-       this, 0, 6'000, plan.left, false, 1u << kTracking},
-      {"right", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(1); },
-       this, 0, 6'000, plan.right, false, 1u << kTracking},
-      {"tracking", [](void* a, TimeNs) { return static_cast<App*>(a)->tracking_step(); }, this, 0,
-       4'000, plan.tracking, false, bits(kDoor, kMapping)},
-      {"mapping", [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.mapping_step(); },
-       this, 0, 2'000, plan.mapping, false, 1u << kDoor},
+  static constexpr Step (*kSteps[kTasks])(void*, TimeNs) = {
+      [](void* a, TimeNs now) { return static_cast<App*>(a)->door_step(now); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->prepare_step(); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(0); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.frontend_step(1); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->tracking_step(); },
+      [](void* a, TimeNs) { return static_cast<App*>(a)->estimator_.mapping_step(); },
   };
-  std::copy(std::begin(tasks), std::end(tasks), tasks_);
+  const Schedule rows = schedule(plan);
+  for (int i = 0; i < kTasks; ++i) {
+    tasks_[i] = rows[i];
+    tasks_[i].step = kSteps[i];
+    tasks_[i].context = this;
+  }
   scheduler_.emplace(tasks_, SchedulerHooks{bsp::now, bsp::wait, bsp::wake, bsp::watchdog_kick});
   if (recorder_.started()) PIRVS_TRY(start_recorder_core());
   for (int i = 1; i < plan.cores; ++i) {
@@ -231,12 +235,16 @@ int App::counters(NamedValue* out, int max) const {
     for_each_counter(recorder_.losses(), add);
     add("frames_recorded", recorder_.frames_written());
   }
-  static constexpr const char* kOverruns[] = {"overruns_door", "overruns_left", "overruns_right",
-                                              "overruns_tracking", "overruns_mapping"};
-  static_assert(std::size(kOverruns) == kTasks);
   add("fused_states_missed", output_.predictor().anchors_missed());
   add("poses_not_finite", output_.predictor().not_finite());
-  for (int i = 0; i < kTasks; ++i) add(kOverruns[i], task_counters_[i].overruns);
+  static constexpr const char* kLate[kTasks][2] = {
+      {"overruns_door", "slips_door"},         {"overruns_prepare", "slips_prepare"},
+      {"overruns_left", "slips_left"},         {"overruns_right", "slips_right"},
+      {"overruns_tracking", "slips_tracking"}, {"overruns_mapping", "slips_mapping"}};
+  for (int i = 0; i < kTasks; ++i) {
+    add(kLate[i][0], task_counters_[i].overruns);
+    add(kLate[i][1], task_counters_[i].slips);
+  }
   return count + estimator_.counters(out + count, max - count);
 }
 

@@ -13,11 +13,12 @@
 
 #include "bsp/api/cores.h"
 #include "core/base/status.h"
-#include "core/sched/scheduler.h"
+#include "core/sched/late_watch.h"
 #include "modules/app/app_params.h"
 #include "modules/app/app_sinks.h"
 #include "modules/app/estimator.h"
 #include "modules/app/intake.h"
+#include "modules/app/schedule.h"
 #include "modules/calibration/calibration.h"
 #include "modules/door/command.h"
 #include "modules/door/door.h"
@@ -25,13 +26,6 @@
 #include "modules/recorder/recorder.h"
 
 namespace pirvs {
-
-// Which core runs what. On one core all tasks interleave. Door and tracking share a core: each
-// waits for the other's result.
-struct CorePlan {
-  uint8_t cores = 1;
-  uint8_t door = 0, left = 0, right = 0, tracking = 0, mapping = 0;
-};
 
 // kTimed: every core runs its rows by the clock, as live sensors need it. kLockstep: one core runs
 // all rows in an order that depends on the input alone: the same input, the same bytes.
@@ -93,17 +87,20 @@ class App {
   static int pools(NamedValue* out, int max);
 
  private:
-  enum TaskIndex : int { kDoor, kLeft, kRight, kTracking, kMapping, kTasks };
   struct Core {
     Scheduler* scheduler;
     int index;
   };
 
-  Step door_step();
+  // Sensors, and not a recording that is held back: what the clock says means something.
+  bool live() const { return drive_ == Drive::kTimed && may_go_on_ == nullptr; }
+  Step door_step(TimeNs now);
+  Step prepare_step();
   Step tracking_step();
   void take(const DoorItem& item);
   void interrupt(TimeNs t, const char* why);
   void end_when_done();
+  void tell_late(TimeNs now);
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
@@ -138,6 +135,7 @@ class App {
   std::optional<Scheduler> scheduler_;  // while running
   Core cores_[bsp::kCoresMax];
   TaskCounters task_counters_[kTasks];
+  LateWatch late_watch_;
 };
 
 }  // namespace pirvs

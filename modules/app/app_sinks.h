@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/base/limits.h"
+#include "core/sched/late_watch.h"
 #include "modules/door/command.h"
 #include "modules/output/pose.h"
 
@@ -26,8 +27,9 @@ struct AppSinks {
   void* context = nullptr;
   void (*frame)(void*, const FrameReport&) = nullptr;
   void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
-  void (*keyframe)(void*, const BodyState&) = nullptr;  // leaving the map, refined as it is then
-  void (*answer)(void*, const Answer&) = nullptr;       // to a command
+  void (*keyframe)(void*, const BodyState&) = nullptr;     // leaving the map, refined as it is then
+  void (*answer)(void*, const Answer&) = nullptr;          // to a command
+  void (*late)(void*, TimeNs, const LateTask&) = nullptr;  // live alone: a task is late repeatedly
 };
 
 struct NamedValue {

@@ -132,10 +132,6 @@ class AppLife : public testing::Test {
     board::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
   }
-  void play_live(Still& still) {
-    app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    board::play(still.source(), bsp::ReplayPace::kRealTime);
-  }
   static Command command(CommandKind kind) {
     Command out;
     out.kind = kind;
@@ -148,6 +144,7 @@ class AppLife : public testing::Test {
 
 constexpr CorePlan kOneCore = {1, 0, 0, 0, 0, 0};
 constexpr CorePlan kTwoCores = {2, 0, 0, 1, 0, 1};
+constexpr CorePlan kThreeCores = {3, 0, 0, 1, 0, 2};
 
 TEST_F(AppLife, RunsToTheEndOfTheSensors) {
   Still still(40);
@@ -328,23 +325,107 @@ TEST_F(AppLife, FindsItsPlaceInASavedMap) {
   std::filesystem::remove_all(folder);
 }
 
-// What the thread sanitizer is for: two cores at work, a third thread that asks and commands.
-TEST_F(AppLife, IsCommandedFromAnotherThreadWhileItRuns) {
+// What the thread sanitizer is for: two or three cores at work, and another thread that asks for
+// everything that it may ask for, and commands.
+TEST_F(AppLife, IsAskedAndCommandedFromAnotherThreadWhileItRuns) {
+  for (const CorePlan& plan : {kTwoCores, kThreeCores}) {
+    Still still(80);
+    Log log;
+    app_->configure(Still::calibration(), AppParams{}, log.sinks());
+    board::play(still.source(), bsp::ReplayPace::kRealTime);
+    app_->set_clock(board::replay_now);
+    std::thread other([this, &log] {
+      const Result<int> consumer = app_->poses().attach();
+      ASSERT_TRUE(consumer.ok());
+      int poses = 0;
+      const auto ask_until = [&](int frames) {
+        while (log.frames < frames) {
+          NamedValue values[256];
+          (void)app_->counters(values, 256);
+          (void)app_->latency().imu_to_pose.summary();
+          (void)app_->poses().lost(consumer.value());
+          while (app_->poses().next(consumer.value()) != nullptr) ++poses;
+          std::this_thread::yield();
+        }
+      };
+      ask_until(20);
+      Command set = command(CommandKind::kSetParameter);
+      std::strcpy(set.text, "frontend.tracks_target");
+      set.value = 60;
+      (void)app_->command(set);
+      ask_until(35);
+      set = command(CommandKind::kSetPose);
+      set.p_WB = Vec3(1, 2, 3);
+      (void)app_->command(set);
+      ask_until(45);
+      (void)app_->command(command(CommandKind::kReset));
+      ask_until(65);
+      app_->poses().detach(consumer.value());
+      (void)app_->command(command(CommandKind::kStop));
+      EXPECT_GT(poses, 20);
+    });
+    (void)app_->run(plan, Drive::kTimed);
+    other.join();
+    constexpr CommandKind kKinds[] = {CommandKind::kSetParameter, CommandKind::kSetPose,
+                                      CommandKind::kReset, CommandKind::kStop};
+    ASSERT_EQ(log.answers.size(), std::size(kKinds));
+    for (size_t i = 0; i < std::size(kKinds); ++i) {
+      EXPECT_EQ(log.answers[i].kind, kKinds[i]);
+      EXPECT_EQ(log.answers[i].status, Status::kOk) << i;
+    }
+    EXPECT_GE(log.frames, 65);
+  }
+}
+
+// A sink runs within the door's step: one that dawdles makes the door late.
+struct Dawdler {
+  int late = 0, overruns = 0;
+  TimeNs first = 0, last = 0;
+
+  AppSinks sinks() {
+    AppSinks sinks;
+    sinks.context = this;
+    sinks.frame = [](void*, const FrameReport&) {
+      const TimeNs end = bsp::now() + 20'000'000;
+      while (bsp::now() < end) {
+      }
+    };
+    sinks.late = [](void* context, TimeNs, const LateTask& task) {
+      Dawdler& self = *static_cast<Dawdler*>(context);
+      if (std::strcmp(task.name, "door") != 0) return;
+      self.last = bsp::now();
+      if (self.late++ == 0) self.first = self.last;
+      self.overruns += static_cast<int>(task.overruns);
+    };
+    return sinks;
+  }
+};
+
+TEST_F(AppLife, TellsOfATaskThatIsLateAgainAndAgain) {
   Still still(60);
-  play_live(still);
-  std::thread other([this] {
-    NamedValue values[256];
-    while (log_.frames < 20) (void)app_->counters(values, 256);
-    (void)app_->command(command(CommandKind::kReset));
-    while (log_.frames < 40) (void)app_->counters(values, 256);
-    (void)app_->command(command(CommandKind::kStop));
-  });
-  (void)app_->run(kTwoCores, Drive::kTimed);
-  other.join();
-  ASSERT_EQ(log_.answers.size(), 2u);
-  EXPECT_EQ(log_.answers[0].kind, CommandKind::kReset);
-  EXPECT_EQ(log_.answers[1].kind, CommandKind::kStop);
-  EXPECT_GE(log_.frames, 40);
+  Dawdler dawdler;
+  app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
+  board::play(still.source(), bsp::ReplayPace::kRealTime);
+  EXPECT_EQ(app_->run(kTwoCores, Drive::kTimed), Status::kOk);
+  EXPECT_GE(dawdler.late, 2);
+  EXPECT_LE(dawdler.late, 1.1 + to_seconds(dawdler.last - dawdler.first)) << "once a second";
+  EXPECT_GE(dawdler.overruns, 20);
+  EXPECT_GE(counter(*app_, "overruns_door"), static_cast<uint64_t>(dawdler.overruns));
+}
+
+// The clock may not get into what a replay tells.
+TEST_F(AppLife, TellsNothingOfTimeInAReplay) {
+  for (const bool threads : {false, true}) {
+    Still still(30);
+    Dawdler dawdler;
+    app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
+    board::play(still.source(), bsp::ReplayPace::kFast);
+    app_->pace(threads ? fast_may_go_on : lockstep_may_go_on);
+    EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
+              Status::kOk);
+    EXPECT_GE(counter(*app_, "overruns_door"), 25u);
+    EXPECT_EQ(dawdler.late, 0);
+  }
 }
 
 TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {

@@ -143,6 +143,7 @@ void Estimator::begin(const DoorFrame& frame) {
 Step Estimator::wait_for_map() {
   if (stage_.load(std::memory_order_relaxed) != Stage::kMap) return Step::kIdle;
   if (!map_gate_.ready(mapper_.finished())) return Step::kIdle;
+  PIRVS_TRACE("door.frame");
   const TimeNs begin = bsp::cpu_time();
   gravity_B_ = tracker_.prepare();
   tracking_ns_ += bsp::cpu_time() - begin;

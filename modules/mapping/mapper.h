@@ -2,7 +2,7 @@
 // In      KeyframeMessage by ring. Out: MapSnapshot by mailbox; the Map itself, to read at the end.
 // Frames  W, B, C as everywhere.
 // Errors  none to the caller; what is rejected, and what a full map forgets, is counted by name.
-// Cost    step(): ~0.3 ms at most, ~6 ms a keyframe in all, x86-64.
+// Cost    step(): 0.13 ms in the median, 0.6 ms at p99; ~6 ms a keyframe in all; x86-64.
 // Source  PIRVS paper, section IV.C.
 #pragma once
 

@@ -6,42 +6,15 @@
 #include <limits>
 
 #include "core/math/so3.h"
-#include "tools/report/figure.h"
 #include "tools/report/page.h"
+#include "tools/report/sections.h"
 
 namespace pirvs::tools {
 namespace {
 
 constexpr const char* kAxisName[3] = {"x", "y", "z"};
 constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-constexpr int kHalfWidth = 560;
 constexpr size_t kDotsMax = 1500;
-
-template <class... Args>
-std::string format(const char* how, Args... args) {
-  char text[512];
-  std::snprintf(text, sizeof text, how, args...);
-  return text;
-}
-
-std::string card(const std::string& content) { return "<div class=card>" + content + "</div>\n"; }
-
-std::string heading(const char* text) { return std::string("<h2>") + text + "</h2>\n"; }
-
-// All that the sections draw from; times in seconds since the recording's first frame.
-struct Source {
-  const Recording& recording;
-  const RunLog& log;
-  const RunResult& result;
-  TimeNs t0;
-  double end_s;
-  std::vector<Span> health;
-
-  double time(TimeNs t) const { return to_seconds(t - t0); }
-  Mat3 R_WE() const { return result.evaluation.R_WE; }  // identity without ground truth
-  Vec3 aligned(const Vec3& p_E) const { return R_WE() * p_E + result.evaluation.p_WE; }
-  bool has_truth() const { return result.evaluation.ok; }
-};
 
 const char* span_style(HealthState state) {
   switch (state) {
@@ -71,17 +44,6 @@ std::vector<Span> health_spans(const Source& s) {
                              [](const Span& span) { return span.style == "good"; }),
               spans.end());
   return spans;
-}
-
-Figure time_figure(const Source& s, const std::string& title, const std::string& y_label) {
-  Figure figure;
-  figure.title = title;
-  figure.x_label = "time [s]";
-  figure.y_label = y_label;
-  figure.x_min = 0;
-  figure.x_max = s.end_s;
-  figure.spans = s.health;
-  return figure;
 }
 
 // One series over the frames; value(frame) may be NaN, and is where there is no pose.
@@ -276,61 +238,6 @@ std::string state_section(const Source& s) {
   out += bias_figure(s, "Gyroscope", "rad/s", &BodyState::b_g, &TrajectoryPose::b_g);
   out += bias_figure(s, "Accelerometer", "m/s²", &BodyState::b_a, &TrajectoryPose::b_a);
   return out + "</div>\n";
-}
-
-// ---- timing -------------------------------------------------------------------------------------
-
-// Mean of each row in the paper's Table II: its own PC, its device (RK3399, two Cortex-A72).
-constexpr double kPaperPc_ms[] = {8.7, 0.7, 3.6, 5.9, 18.9};
-constexpr double kPaperDevice_ms[] = {30, 3.8, 8.5, 57.2, 99.5};
-
-std::string timing_table(const RunResult& result) {
-  std::string out =
-      "<div class='card scroll'><table><tr><th>CPU time per stereo frame [ms]</th><th>mean</th>"
-      "<th>median</th><th>p95</th><th>p99</th><th>max</th><th class=paper>paper, PC</th>"
-      "<th class=paper>paper, device</th></tr>";
-  for (size_t i = 0; i < kTimingColumns.size(); ++i) {
-    const Statistics& t = result.timing[i];
-    out += i + 1 == kTimingColumns.size() ? "<tr class=sum>" : "<tr>";
-    out += std::string("<td>") + kTimingColumns[i].label + "</td>";
-    for (const double v : {t.mean, t.median, t.p95, t.p99, t.max}) {
-      out += format("<td>%.2f</td>", v);
-    }
-    out += format("<td class=paper>%.1f</td><td class=paper>%.1f</td></tr>", kPaperPc_ms[i],
-                  kPaperDevice_ms[i]);
-  }
-  return out + "</table></div>\n";
-}
-
-std::string timing_section(const Source& s) {
-  Figure figure = time_figure(s, "CPU time per stereo frame", "ms");
-  figure.stacked = true;
-  figure.y_quantile = 0.999;
-  figure.spans.clear();
-  constexpr const char* kStyles[] = {"s1", "s4", "s3", "s2"};
-  for (size_t i = 0; i + 1 < kTimingColumns.size(); ++i) {
-    Series series{kTimingColumns[i].label, kStyles[i], {}, {}, false};
-    for (const FrameReport& frame : s.log.frames) {
-      series.x.push_back(s.time(frame.t));
-      series.y.push_back(double(frame.*kTimingColumns[i].field));
-    }
-    figure.series.push_back(series);
-  }
-  Figure tracks = time_figure(s, "Tracked points", "per frame");
-  tracks.from_zero = true;
-  const auto all = [&](const char* label, const char* style, auto&& value) {
-    Series series{label, style, {}, {}, false};
-    for (const FrameReport& frame : s.log.frames) {
-      series.x.push_back(s.time(frame.t));
-      series.y.push_back(value(frame));
-    }
-    tracks.series.push_back(series);
-  };
-  all("tracks, both cameras", "s5", [](const FrameReport& f) { return f.tracks[0] + f.tracks[1]; });
-  all("with a map point", "s1", [](const FrameReport& f) { return f.correspondences; });
-  all("accepted", "s3", [](const FrameReport& f) { return f.accepted; });
-  return heading("Timing") + timing_table(s.result) + card(figure.svg()) + heading("Matching") +
-         card(tracks.svg());
 }
 
 // ---- health, counters, memory -------------------------------------------------------------------

@@ -95,6 +95,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"latency_ms",
                       {{"imu_to_pose", latency_json(log.imu_to_pose)},
                        {"exposure_to_fused", latency_json(log.exposure_to_fused)}}},
+                     {"pose_spacing_ms", latency_json(result.pose_spacing)},
                      {"keyframes", log.keyframes.size()},
                      {"points", log.points.size()},
                      {"pools_bytes", pools},

@@ -1,8 +1,11 @@
 // What    Runs an App on a recording, at the pace asked for.
-// In      A configured App, what plays the recording, the plan of cores.
+// In      A configured App, what plays the recording, the plan of cores; in real time also what to
+//         do after each step of core 0, if anything.
 // Errors  as App::run.
 // Source  docs/adr/0003-lockstep-determinism.md.
 #pragma once
+
+#include <functional>
 
 #include "board/host/wiring.h"
 #include "modules/app/replay_pace.h"
@@ -16,12 +19,17 @@ enum class Playback : uint8_t {
 };
 
 inline Status play(App& app, const bsp::RecordingSource& source, const CorePlan& plan,
-                   Playback playback) {
+                   Playback playback, const std::function<void(App&)>& after_step = {}) {
   const bool real_time = playback == Playback::kRealTime;
   const bool lockstep = playback == Playback::kLockstep || plan.cores == 1;
   board::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
   if (real_time) app.set_clock(board::replay_now);
   if (!real_time) app.pace(lockstep ? lockstep_may_go_on : fast_may_go_on);
+  if (real_time && after_step) {
+    PIRVS_TRY(app.start(plan, Drive::kTimed));
+    while (app.poll() != Status::kStale) after_step(app);
+    return app.finish();
+  }
   return app.run(plan, !real_time && plan.cores == 1 ? Drive::kLockstep : Drive::kTimed);
 }
 

@@ -65,6 +65,14 @@ void count_trust(const RunLog& log, RunResult& result) {
   result.confidence_min = *std::min_element(confidence.begin(), confidence.end());
 }
 
+LatencySummary summary_of(std::vector<double> ms) {
+  LatencySummary out;
+  if (ms.empty()) return out;
+  std::sort(ms.begin(), ms.end());
+  out = {ms.size(), ms.front(), percentile(ms, 0.5), percentile(ms, 0.99), ms.back()};
+  return out;
+}
+
 size_t counter(const RunLog& log, DoorLoss loss) {
   for (const Count& count : log.counters) {
     if (count.name == name(loss)) return count.value;
@@ -97,6 +105,14 @@ Statistics statistics(std::vector<double> values) {
   return out;
 }
 
+std::vector<double> pose_spacing_ms(const RunLog& log) {
+  std::vector<double> out;
+  for (size_t i = 1; i < log.poses.size(); ++i) {
+    out.push_back(1e3 * to_seconds(log.poses[i].t_published - log.poses[i - 1].t_published));
+  }
+  return out;
+}
+
 int RunResult::exit_status() const { return done ? kExitDone : kExitFailed; }
 
 RunResult make_result(const Recording& recording, const RunLog& log, Status status) {
@@ -110,6 +126,7 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
     for (const FrameReport& f : log.frames) values.push_back(double(f.*kTimingColumns[i].field));
     result.timing[i] = statistics(values);
   }
+  result.pose_spacing = summary_of(pose_spacing_ms(log));
   for (const Count& pool : log.pools) result.pool_bytes += pool.value;
   std::vector<StateEstimate> estimates;
   for (const FrameReport& frame : log.frames) {

@@ -22,6 +22,9 @@ struct Statistics {
 
 Statistics statistics(std::vector<double> values);
 
+// From one published pose to the next, in ms.
+std::vector<double> pose_spacing_ms(const RunLog& log);
+
 struct TimingColumn {
   const char* name;   // as in timing.csv
   const char* label;  // as in the paper's Table II
@@ -50,6 +53,7 @@ struct RunResult {
   double duration_s = 0;
   double wall_s = 0;
   std::array<Statistics, kTimingColumns.size()> timing;
+  LatencySummary pose_spacing;  // from one published pose to the next
   size_t pool_bytes = 0;
   Trajectory trajectory;  // what trajectory.tum holds
   Evaluation evaluation;

@@ -91,7 +91,9 @@ int run(const Options& options, const std::string& command) {
     const Playback playback = options.real_time  ? Playback::kRealTime
                               : options.lockstep ? Playback::kLockstep
                                                  : Playback::kFast;
-    status = play(app, feed.source(), board::kPlans[options.cores - 1], playback);
+    if (options.real_time) log.attach(app, recording.imu.size());
+    status = play(app, feed.source(), board::kPlans[options.cores - 1], playback,
+                  [&log](App& running) { log.take_poses(running); });
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }

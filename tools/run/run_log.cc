@@ -16,6 +16,10 @@ void on_health(void* context, TimeNs t, HealthState state, const char* what) {
   static_cast<RunLog*>(context)->health.push_back({t, state, what});
 }
 
+void on_late(void* context, TimeNs t, const LateTask& task) {
+  static_cast<RunLog*>(context)->late.push_back({t, task});
+}
+
 void on_keyframe(void* context, const BodyState& state) {
   static_cast<RunLog*>(context)->keyframes.push_back(state);
 }
@@ -31,6 +35,7 @@ std::vector<Count> named(const NamedValue* values, int count) {
 RunLog::RunLog(size_t frames_expected) {
   frames.reserve(frames_expected + 1);
   health.reserve(1024);
+  late.reserve(1024);
   keyframes.reserve(kKeyframesExpected);
 }
 
@@ -39,8 +44,22 @@ AppSinks RunLog::sinks() {
   sinks.context = this;
   sinks.frame = on_frame;
   sinks.health = on_health;
+  sinks.late = on_late;
   sinks.keyframe = on_keyframe;
   return sinks;
+}
+
+void RunLog::attach(App& app, size_t poses_expected) {
+  poses.reserve(poses_expected);
+  const Result<int> consumer = app.poses().attach();
+  if (consumer.ok()) consumer_ = consumer.value();
+}
+
+void RunLog::take_poses(App& app) {
+  if (consumer_ < 0) return;
+  while (const Pose* const pose = app.poses().next(consumer_)) {
+    poses.push_back({pose->state.t, pose->t_published});
+  }
 }
 
 void RunLog::finish(const App& app) {

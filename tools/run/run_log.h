@@ -1,7 +1,8 @@
 // What    Everything a run has to tell, as it came out of the App: what the files and the report
 //         are made of.
 // In      App's sinks while it runs; the App itself at the end.
-// Out     Frames, health events, keyframes, map points, counters, pools.
+// Out     Frames, health events, late tasks, keyframes, map points, counters, pools; when each pose
+//         at IMU rate was published.
 // Frames  W: the estimator's world. B: IMU.
 // Units   as in modules/app/app.h.
 // Errors  none.
@@ -22,9 +23,21 @@ struct HealthEvent {
   std::string what;
 };
 
+struct LateEvent {
+  TimeNs t = 0;  // of the newest item that the door has handed out
+  LateTask task;
+};
+
+struct PublishedPose {
+  TimeNs t = 0;            // of its IMU sample
+  TimeNs t_published = 0;  // on the same clock
+};
+
 struct RunLog {
   std::vector<FrameReport> frames;  // in order of time, one per frame that went through
   std::vector<HealthEvent> health;
+  std::vector<LateEvent> late;       // live alone
+  std::vector<PublishedPose> poses;  // in real time alone
   std::vector<BodyState> keyframes;  // sorted by time after finish()
   std::vector<Landmark> points;
   std::vector<Count> counters;
@@ -33,7 +46,13 @@ struct RunLog {
 
   explicit RunLog(size_t frames_expected);
   AppSinks sinks();
+  // In real time: once App is configured, and then again and again while it runs, from core 0.
+  void attach(App& app, size_t poses_expected);
+  void take_poses(App& app);
   void finish(const App& app);
+
+ private:
+  int consumer_ = -1;  // of App's poses
 };
 
 }  // namespace pirvs::tools

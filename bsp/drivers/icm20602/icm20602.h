@@ -30,6 +30,8 @@ class Icm20602 {
   static constexpr TimeNs kPeriod = 5'000'000;
   static constexpr TimeNs kQuiet = 2'000'000;
   static constexpr TimeNs kSilence = 50'000'000;
+  // What the chip keeps while nobody reads it.
+  static constexpr TimeNs kFifo = TimeNs{icm20602::kFifoBytes / icm20602::kPacketBytes} * kPeriod;
 
   struct Counters {
     uint32_t lost = 0;      // samples that the FIFO or we had no room for
