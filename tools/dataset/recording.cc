@@ -120,7 +120,7 @@ std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Co
   TextTable table(path, "list of images");
   std::vector<ListedImage> images;
   while (table.next()) {
-    const auto t = table.stamp(0);
+    const auto t = table.stamp();
     if (!t || table.columns() < 2) {
       if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
       count(rejected, "image_rows_truncated");
@@ -140,7 +140,7 @@ std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Cou
   std::vector<ImuSample> samples;
   constexpr size_t kValues = 6;
   while (table.next()) {
-    const auto t = table.stamp(0);
+    const auto t = table.stamp();
     double v[kValues] = {};
     bool complete = t && table.columns() > kValues;
     bool finite = true;
