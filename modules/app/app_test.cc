@@ -14,9 +14,9 @@
 #include <thread>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/api/clock.h"
 #include "bsp/linux/storage.h"
+#include "bsp/replay/sensors.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs {
@@ -129,12 +129,12 @@ class AppLife : public testing::Test {
 
   void play_fast(Still& still) {
     app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    board::play(still.source(), bsp::ReplayPace::kFast);
+    bsp::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
   }
   void play_live(Still& still) {
     app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    board::play(still.source(), bsp::ReplayPace::kRealTime);
+    bsp::play(still.source(), bsp::ReplayPace::kRealTime);
   }
   static Command command(CommandKind kind) {
     Command out;
@@ -354,7 +354,7 @@ TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {
     Log log;
     app_->configure(Still::calibration(), AppParams{}, log.sinks());
     app_->delay_mapping(3);
-    board::play(still.source(), bsp::ReplayPace::kFast);
+    bsp::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
     EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
               Status::kOk);

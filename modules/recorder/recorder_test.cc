@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/linux/storage.h"
+#include "bsp/replay/sensors.h"
 
 namespace pirvs {
 namespace {
@@ -30,7 +30,7 @@ class recorder : public testing::Test {
       camera.height = 2;
       camera.fx = camera.fy = 1.0 / 3;
     }
-    board::play(camera(), bsp::ReplayPace::kFast);
+    bsp::play(camera(), bsp::ReplayPace::kFast);
   }
   ~recorder() override {
     bsp::set_storage_directory(".");

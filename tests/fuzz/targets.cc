@@ -11,9 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
+#include "bsp/replay/sensors.h"
 #include "core/base/assert.h"
 #include "modules/app/intake.h"
 #include "modules/calibration/calibration_check.h"
@@ -179,7 +179,7 @@ void play_through_the_door(bsp::Pack& pack) {
   door->configure(calibration, DoorParams{}, listener);
   Intake intake;
   intake.configure(door.get());
-  board::play(pack.source(), bsp::ReplayPace::kFast);
+  bsp::play(pack.source(), bsp::ReplayPace::kFast);
   DoorItem item, before;
   bool first = true;
   uint64_t pixels = 0;

@@ -1,7 +1,7 @@
 // What    A recording as bsp/replay wants it: decoded, through the faults asked for.
 // In      An open Recording, which must outlive the feed; faults, perhaps none; how much later than
 //         its own time a frame comes.
-// Out     source() for board::play: items come in the order of recorded time, whatever a fault
+// Out     source() for bsp::play: items come in the order of recorded time, whatever a fault
 //         does to their stamps; or, as fast as possible, in the recorded order if there is one.
 // Frames  as recorded.
 // Errors  InputError on construction: no image can be read; a fault that cannot happen.

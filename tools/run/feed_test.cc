@@ -8,8 +8,8 @@
 #include <limits>
 #include <memory>
 
-#include "board/host/wiring.h"
 #include "bsp/linux/storage.h"
+#include "bsp/replay/sensors.h"
 #include "modules/recorder/recorder.h"
 
 namespace pirvs::tools {
@@ -41,7 +41,7 @@ class Device {
     door_->configure(calibration(), DoorParams{});
     const Calibration c = calibration();
     EXPECT_EQ(recorder_->start(c.camera, 2, c.imu, c.camera_time_offset_ns), Status::kOk);
-    board::play(camera(), bsp::ReplayPace::kFast);
+    bsp::play(camera(), bsp::ReplayPace::kFast);
   }
   void push(const Arrival& arrival, bool at_once = false) {
     at_once = at_once && !door_->is_lost(Sensor::kImu);
@@ -163,7 +163,7 @@ TEST(feed, a_recorded_run_gives_the_same_items) {
 
   const Recording recording = open_recording(path, {});
   Feed feed(recording);
-  board::play(feed.source(), bsp::ReplayPace::kFast);
+  bsp::play(feed.source(), bsp::ReplayPace::kFast);
   const auto door = std::make_unique<Door>();
   DoorListener listener;
   listener.release = Intake::release;

@@ -4,7 +4,7 @@
 // Source  docs/adr/0003-lockstep-determinism.md.
 #pragma once
 
-#include "board/host/wiring.h"
+#include "bsp/replay/sensors.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs::tools {
@@ -19,8 +19,8 @@ inline Status play(App& app, const bsp::RecordingSource& source, const CorePlan&
                    Playback playback) {
   const bool real_time = playback == Playback::kRealTime;
   const bool lockstep = playback == Playback::kLockstep || plan.cores == 1;
-  board::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
-  if (real_time) app.set_clock(board::replay_now);
+  bsp::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
+  if (real_time) app.set_clock(bsp::replay_now);
   if (!real_time) app.pace(lockstep ? lockstep_may_go_on : fast_may_go_on);
   return app.run(plan, !real_time && plan.cores == 1 ? Drive::kLockstep : Drive::kTimed);
 }
