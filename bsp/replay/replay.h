@@ -31,7 +31,7 @@ enum class ReplayPace : uint8_t { kFast, kRealTime };
 // One row of the order in which everything came when a recording was made.
 struct RecordedArrival {
   enum class Kind : uint8_t { kImu, kFrame, kTick, kOther };
-  Kind kind = Kind::kOther;     // kOther: not of a sensor; whoever takes it goes past it
+  Kind kind = Kind::kOther;     // kOther: not asked for; whoever takes it goes past it
   Status status = Status::kOk;  // kImu, kFrame: what the poll answers; the item belongs to kOk
   TimeNs t = 0;                 // kTick
 };

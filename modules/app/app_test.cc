@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -104,6 +105,7 @@ struct Log {
   std::atomic<int> frames{0}, poses{0};
   std::vector<Answer> answers;
   std::vector<BodyState> states;
+  std::vector<std::string> health;
   uint32_t resets = 0;
 
   AppSinks sinks() {
@@ -115,6 +117,9 @@ struct Log {
       self.poses += report.has_pose ? 1 : 0;
       if (report.has_pose) self.states.push_back(report.pose.state);
       self.resets = report.pose.trust.resets;
+    };
+    sinks.health = [](void* log, TimeNs, HealthState, const char* what) {
+      static_cast<Log*>(log)->health.push_back(what);
     };
     sinks.answer = [](void* log, const Answer& answer) {
       static_cast<Log*>(log)->answers.push_back(answer);
@@ -224,6 +229,69 @@ uint64_t counter(const App& app, const char* name) {
   }
   ADD_FAILURE() << name;
   return 0;
+}
+
+TEST_F(AppLife, CountsOnOverAReset) {
+  constexpr const char* kCounted[] = {"frames",       "frames_with_pose",  "starts",
+                                      "keyframes",    "mapping_keyframes", "adjustments",
+                                      "stereo_found", "gate_accepted"};
+  Still still(80);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 40) ASSERT_EQ(app_->poll(), Status::kOk);
+  std::vector<uint64_t> before;
+  for (const char* name : kCounted) before.push_back(counter(*app_, name));
+  ASSERT_TRUE(app_->command(command(CommandKind::kReset)).ok());
+  while (log_.answers.empty()) ASSERT_EQ(app_->poll(), Status::kOk);
+  for (size_t i = 0; i < std::size(kCounted); ++i) {
+    EXPECT_GT(before[i], 0u) << kCounted[i];
+    EXPECT_GE(counter(*app_, kCounted[i]), before[i]) << kCounted[i];
+  }
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_EQ(counter(*app_, "frames"), 80u);
+  EXPECT_EQ(counter(*app_, "starts"), 2u);
+}
+
+TEST_F(AppLife, TakesWhatIsDelivered) {
+  Still still(40);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 20) ASSERT_EQ(app_->poll(), Status::kOk);
+  GnssFix fix;
+  fix.t = INT64_MAX;
+  EXPECT_EQ(app_->deliver(arrival_of(fix)), Status::kOk);
+  EXPECT_EQ(app_->deliver(arrival_of(bsp::GpioEdge{kBegin, {1, 2}, true}, true)), Status::kOk);
+  EXPECT_EQ(app_->deliver(arrival_of(ArrivalKind::kLost, Sensor::kCamera)), Status::kOk);
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_EQ(counter(*app_, "aside_stamp_impossible"), 1u);
+  EXPECT_EQ(counter(*app_, "edges_lost"), 1u);
+  EXPECT_EQ(counter(*app_, "camera_lost_device"), 1u);
+  EXPECT_EQ(counter(*app_, "camera_back"), 1u) << "its next frame says so";
+  EXPECT_EQ(std::count(log_.health.begin(), log_.health.end(), "the cameras are lost"), 1);
+  EXPECT_EQ(std::count(log_.health.begin(), log_.health.end(), "the cameras are back"), 1);
+}
+
+// Whatever is commanded, done or refused, is no frame.
+TEST_F(AppLife, MeasuresTheLatencyOfFramesAlone) {
+  Still still(60);
+  play_fast(still);
+  app_->set_clock([] { return kBegin; });
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 30) ASSERT_EQ(app_->poll(), Status::kOk);
+  for (const CommandKind kind :
+       {CommandKind::kSetParameter, CommandKind::kLoadMap, CommandKind::kSetPose}) {
+    ASSERT_TRUE(app_->command(command(kind)).ok());
+  }
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 3u);
+  EXPECT_GT(log_.poses, 30);
+  EXPECT_EQ(app_->latency().exposure_to_fused.summary().count, uint64_t(log_.poses));
 }
 
 TEST_F(AppLife, SetsAParameterWhileItTracks) {
@@ -380,20 +448,6 @@ TEST(MapGate, LetsThroughWhatWasSentSoManyFramesBefore) {
   EXPECT_TRUE(gate.ready(1));
   gate.open();
   EXPECT_TRUE(gate.ready(0));
-}
-
-TEST(CommandQueue, NumbersCommandsAndRefusesTooMany) {
-  CommandQueue queue;
-  Command command;
-  uint32_t pushed = 0;
-  while (queue.push(command).ok()) ++pushed;
-  EXPECT_GE(pushed, 8u);
-  for (uint32_t ticket = 1; ticket <= pushed; ++ticket) {
-    ASSERT_TRUE(queue.pop(command));
-    EXPECT_EQ(command.ticket, ticket);
-  }
-  EXPECT_FALSE(queue.pop(command));
-  EXPECT_EQ(queue.push(command).value(), pushed + 1);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 
 #include "core/base/assert.h"
 
@@ -16,6 +17,12 @@ void Mapper::configure(const Camera* cameras, const ImuNoise& noise, const Mappi
   mailbox_ = snapshots;
 }
 
+void Mapper::forget() {
+  const MappingCounters counted = counters_;
+  this->~Mapper();  // in place: no stack could hold another
+  new (this) Mapper(counted);
+}
+
 void Mapper::on_keyframe_removed(void (*sink)(void*, const BodyState&), void* context) {
   removed_sink_ = sink;
   removed_context_ = context;
@@ -27,13 +34,14 @@ void Mapper::step() {
       const KeyframeMessage* message = ring_->front();
       if (message == nullptr) return;
       insert(*message);
-      if (message->adjust) {
+      const uint32_t sequence = message->sequence;
+      const bool adjust = message->adjust;
+      if (adjust) {
         busy_.store(true, std::memory_order_release);
         phase_ = Phase::kBuild;
-      } else {
-        finished_.store(message->sequence, std::memory_order_release);
       }
-      ring_->pop();
+      ring_->pop();  // before it counts as finished: tracking then knows of the room
+      if (!adjust) finished_.store(sequence, std::memory_order_release);
       return;
     }
     case Phase::kBuild:
