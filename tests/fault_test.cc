@@ -146,7 +146,7 @@ TEST(fault, drivers_that_report_faults) {
   size_t imu = 0, frame = 0;
   const auto fault = [&](Sensor sensor, Status status) {
     OrderRow row;
-    row.kind = OrderKind::kFault;
+    row.kind = ArrivalKind::kFault;
     row.sensor = sensor;
     row.status = status;
     faulty.order.push_back(row);
@@ -158,7 +158,7 @@ TEST(fault, drivers_that_report_faults) {
     OrderRow row;
     const bool is_frame = imu == faulty.imu.size() || (frame < faulty.frames.size() &&
                                                        faulty.frames[frame].t < faulty.imu[imu].t);
-    row.kind = is_frame ? OrderKind::kFrame : OrderKind::kImu;
+    row.kind = is_frame ? ArrivalKind::kFrame : ArrivalKind::kImu;
     ++(is_frame ? frame : imu);
     faulty.order.push_back(row);
     if (is_frame) continue;

@@ -14,8 +14,8 @@
 #include <utility>
 
 #include "board/host/board.h"
-#include "board/host/wiring.h"
 #include "bsp/api/clock.h"
+#include "bsp/replay/sensors.h"
 
 namespace pirvs::systems {
 namespace {
@@ -105,8 +105,8 @@ TEST(idle, wakes_fewer_than_50_times_a_second_and_costs_less_than_1_percent) {
   }
   app->configure(calibration, AppParams{}, AppSinks{});
   Silence silence;
-  board::play(silence.source(), bsp::ReplayPace::kRealTime);
-  app->set_clock(board::replay_now);
+  bsp::play(silence.source(), bsp::ReplayPace::kRealTime);
+  app->set_clock(bsp::replay_now);
   Rest rest;
   std::thread other([&] {
     rest = measure();

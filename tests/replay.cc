@@ -64,8 +64,8 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   {
     tools::Feed feed(recording, faults, {}, from_seconds(options.camera_latency_s));
     app.configure(recording.calibration, AppParams{}, out.log.sinks());
-    app.replay_commands(feed.commands());
     const bool live = options.playback == tools::Playback::kRealTime;
+    if (!live) app.replay_inbox(feed.inbox());
     if (!live && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty()) {
       bsp::set_storage_directory(options.record.c_str());

@@ -20,7 +20,6 @@
 #include "board/bare/fault_injection.h"
 #include "board/bare/pin_watch.h"
 #include "board/bare/profile.h"
-#include "board/bare/sensors.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/cycles.h"
@@ -29,6 +28,7 @@
 #include "bsp/bare/machine.h"
 #include "bsp/bare/stacks.h"
 #include "bsp/replay/pack.h"
+#include "bsp/replay/sensors.h"
 #include "core/base/text.h"
 #include "core/math/so3.h"
 #include "modules/app/replay_pace.h"
@@ -291,7 +291,7 @@ int application() {
   char pace_text[8] = "";
   const bool free = bsp::boot_argument("pace", pace_text, sizeof pace_text) &&
                     std::strcmp(pace_text, "free") == 0;
-  play(run.pack.source(), bsp::ReplayPace::kFast);
+  bsp::play(run.pack.source(), bsp::ReplayPace::kFast);
   AppSinks sinks;
   sinks.frame = on_frame;
   sinks.health = on_health;

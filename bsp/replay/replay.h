@@ -1,5 +1,4 @@
-// Plays a recording as the camera and the IMU of bsp/api. A board's wiring says that they are
-// these sensors (board/host/wiring.cc, board/bare/sensors.cc).
+// Plays a recording as the camera and the IMU of bsp/api, which sensors.h then answers for.
 // In      A RecordingSource: each call gives the next item of a stream in the order recorded;
 //         false: the stream has ended. next_frame finds in out.id the slot that the frame will be
 //         lent under, one of kReplayFrames; release_frame comes once for each frame, from the core
@@ -32,7 +31,7 @@ enum class ReplayPace : uint8_t { kFast, kRealTime };
 // One row of the order in which everything came when a recording was made.
 struct RecordedArrival {
   enum class Kind : uint8_t { kImu, kFrame, kTick, kOther };
-  Kind kind = Kind::kOther;     // kOther: not of a sensor; whoever takes it goes past it
+  Kind kind = Kind::kOther;     // kOther: not asked for; whoever takes it goes past it
   Status status = Status::kOk;  // kImu, kFrame: what the poll answers; the item belongs to kOk
   TimeNs t = 0;                 // kTick
 };

@@ -40,13 +40,13 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   };
   listener.release = Intake::release;
   door_.configure(calibration, scaled.door, listener);
-  const auto next_command = [](void* context, Command& out) {
+  const auto next_told = [](void* context, Arrival& out) {
     App& app = *static_cast<App*>(context);
-    const CommandSource& recorded = app.replayed_;
+    const ArrivalSource& recorded = app.replayed_;
     if (recorded.next != nullptr && recorded.next(recorded.context, out)) return true;
-    return app.commands_.pop(out);
+    return app.inbox_.pop(out);
   };
-  intake_.configure(&door_, {}, {this, next_command});
+  intake_.configure(&door_, {}, {this, next_told});
   estimator_.configure(calibration, scaled, sinks);
   output_.configure(pirvs::scaled(calibration.imu, scaled.imu),
                     static_cast<double>(scaled.tracking.tracker.cov_scale),
@@ -56,7 +56,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
 // What was fused before has nothing to say about what comes.
 void App::interrupt(TimeNs t, const char* why) {
   estimator_.interrupt(t, why);
-  output_.fuse(estimator_.fused());
+  output_.replace(estimator_.fused());
 }
 
 void App::check_clocks() {
@@ -106,7 +106,7 @@ Step App::door_step(TimeNs now) {
 Step App::prepare_step() {
   const Step step = estimator_.wait_for_map();
   if (step == Step::kAgain && recorder_.started()) {
-    recorder_.decision(estimator_.tracker().map_keyframe());
+    recorder_.decision(door_t_, estimator_.tracker().mapped());
   }
   return step;
 }
@@ -119,11 +119,14 @@ void App::take(const DoorItem& item) {
       frame_present_ = item.frame.images.present;
       estimator_.begin(item.frame);
       break;
-    case DoorItemKind::kImu:
+    case DoorItemKind::kImu: {
+      const bool in_doubt = door_.in_doubt(item.imu.t);
       door_t_ = item.imu.t;
       if (item.broken) interrupt(item.imu.t, "input interrupted");
-      estimator_.imu(item.imu, door_.in_doubt(item.imu.t));
+      output_.doubt_stamps(in_doubt);
+      estimator_.imu(item.imu, in_doubt);
       break;
+    }
     case DoorItemKind::kCommand:
       executing_ = item.command;
       has_command_ = true;

@@ -1,6 +1,6 @@
 // The whole stack as one static object: sensors in by the bsp's contracts, commands by the door,
 // poses out by sinks. Wires door, estimator and recorder, and does nothing else.
-// In      bsp::camera_poll, imu_poll, tick_poll; a Calibration; parameters; command().
+// In      bsp::camera_poll, imu_poll, tick_poll; a Calibration; parameters; command(), deliver().
 // Out     poses(): one at every IMU sample, for each consumer. AppSinks: a report per frame, health
 //         changes, answers. The map at the end.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU. Time: the IMU's clock, ns.
@@ -20,8 +20,9 @@
 #include "modules/app/intake.h"
 #include "modules/app/schedule.h"
 #include "modules/calibration/calibration.h"
-#include "modules/door/command.h"
 #include "modules/door/door.h"
+#include "modules/door/inbox.h"
+#include "modules/map/map_file.h"
 #include "modules/output/output.h"
 #include "modules/recorder/recorder.h"
 
@@ -64,9 +65,13 @@ class App {
   // wait.
   Result<uint32_t> command(const Command& command);
 
-  // Commands of a recording, each at its turn; between configure() and start().
-  void replay_commands(const CommandSource& source) { replayed_ = source; }
-  // Likewise which of mapping's results each frame used; instead of delay_mapping().
+  // Any core: a GNSS fix, wheel sample or edge, or that a driver has lost its sensor or has it
+  // back. kFull: too many wait.
+  Status deliver(const Arrival& arrival);
+
+  // What a recording holds of both, each at its turn; between configure() and start().
+  void replay_inbox(const ArrivalSource& source) { replayed_ = source; }
+  // Likewise how far mapping had come at each frame; instead of delay_mapping().
   void replay_maps(const MapDecisions& maps) { estimator_.map_gate().follow(maps); }
 
   // How long, in sensor time, mapping has had work left; 0: it has none. The door's core.
@@ -118,9 +123,10 @@ class App {
   Estimator estimator_;
   Output output_;
   Recorder recorder_;
+  MapIndex map_index_;
 
-  CommandQueue commands_;
-  CommandSource replayed_;
+  Inbox inbox_;
+  ArrivalSource replayed_;
   Command executing_;
   bool has_command_ = false;
   bool ending_ = false;  // no more is taken from the sensors

@@ -22,7 +22,7 @@ Status set_pose(Estimator& estimator, TimeNs t, const Command& command) {
 }
 
 // Written beside the old one and then put in its place: whenever power fails, one of them is whole.
-Status save(const Map& map, const char* name) {
+Status save(const Map& map, const char* name, MapIndex& index) {
   Text<Command::kTextMax + 8> part;
   part.put(name).put(".part");
   const Result<bsp::File> opened = bsp::storage_open(part.c_str());
@@ -31,7 +31,7 @@ Status save(const Map& map, const char* name) {
   const auto write = [](void* to, const void* data, size_t size) {
     return bsp::storage_write(*static_cast<bsp::File*>(to), data, size);
   };
-  Status status = save_map(map, {&file, write});
+  Status status = save_map(map, {&file, write}, index);
   if (status == Status::kOk) status = bsp::storage_sync(file);
   const Status closed = bsp::storage_close(file);
   if (status == Status::kOk) status = closed;
@@ -65,9 +65,15 @@ Status load(Estimator& estimator, TimeNs t, const char* name) {
 
 // The door's core, which calls poll(), is core 0 in every plan.
 Result<uint32_t> App::command(const Command& command) {
-  const Result<uint32_t> ticket = commands_.push(command);
+  const Result<uint32_t> ticket = inbox_.push(command);
   bsp::wake(0);
   return ticket;
+}
+
+Status App::deliver(const Arrival& arrival) {
+  const Status status = inbox_.push(arrival);
+  bsp::wake(0);
+  return status;
 }
 
 Status App::record() {
@@ -91,7 +97,10 @@ Status App::start_recorder_core() {
 // True: something was done. A command that has to wait for mapping is asked again. It comes by the
 // door, which nothing passes once the sensors have ended.
 bool App::command_step() {
-  if (ending_ && !has_command_) has_command_ = commands_.pop(executing_);
+  for (Arrival told; ending_ && !has_command_ && inbox_.pop(told);) {
+    executing_ = told.command;
+    has_command_ = told.kind == ArrivalKind::kCommand;  // all else comes too late
+  }
   if (!has_command_) return false;
   const Status status = execute(executing_);
   if (status == Status::kEmpty) return false;
@@ -118,8 +127,9 @@ Status App::execute(const Command& command) {
   }
   estimator_.map_gate().open();
   if (!estimator_.mapping_rests()) return Status::kEmpty;
+  const uint32_t resets = estimator_.fused().trust.resets;
   const Status status = execute_at_rest(command);
-  output_.fuse(estimator_.fused());
+  if (estimator_.fused().trust.resets != resets) output_.replace(estimator_.fused());
   return status;
 }
 
@@ -133,7 +143,7 @@ Status App::execute_at_rest(const Command& command) {
     case CommandKind::kSetPose:
       return set_pose(estimator_, door_t_, command);
     case CommandKind::kSaveMap:
-      return save(estimator_.map(), command.text);
+      return save(estimator_.map(), command.text, map_index_);
     case CommandKind::kLoadMap:
       return load(estimator_, door_t_, command.text);
     default:

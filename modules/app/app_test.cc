@@ -4,6 +4,7 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -14,9 +15,9 @@
 #include <thread>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/api/clock.h"
 #include "bsp/linux/storage.h"
+#include "bsp/replay/sensors.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs {
@@ -104,6 +105,7 @@ struct Log {
   std::atomic<int> frames{0}, poses{0};
   std::vector<Answer> answers;
   std::vector<BodyState> states;
+  std::vector<std::string> health;
   uint32_t resets = 0;
 
   AppSinks sinks() {
@@ -115,6 +117,9 @@ struct Log {
       self.poses += report.has_pose ? 1 : 0;
       if (report.has_pose) self.states.push_back(report.pose.state);
       self.resets = report.pose.trust.resets;
+    };
+    sinks.health = [](void* log, TimeNs, HealthState, const char* what) {
+      static_cast<Log*>(log)->health.push_back(what);
     };
     sinks.answer = [](void* log, const Answer& answer) {
       static_cast<Log*>(log)->answers.push_back(answer);
@@ -129,7 +134,7 @@ class AppLife : public testing::Test {
 
   void play_fast(Still& still) {
     app_->configure(Still::calibration(), AppParams{}, log_.sinks());
-    board::play(still.source(), bsp::ReplayPace::kFast);
+    bsp::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
   }
   static Command command(CommandKind kind) {
@@ -221,6 +226,69 @@ uint64_t counter(const App& app, const char* name) {
   }
   ADD_FAILURE() << name;
   return 0;
+}
+
+TEST_F(AppLife, CountsOnOverAReset) {
+  constexpr const char* kCounted[] = {"frames",       "frames_with_pose",  "starts",
+                                      "keyframes",    "mapping_keyframes", "adjustments",
+                                      "stereo_found", "gate_accepted"};
+  Still still(80);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 40) ASSERT_EQ(app_->poll(), Status::kOk);
+  std::vector<uint64_t> before;
+  for (const char* name : kCounted) before.push_back(counter(*app_, name));
+  ASSERT_TRUE(app_->command(command(CommandKind::kReset)).ok());
+  while (log_.answers.empty()) ASSERT_EQ(app_->poll(), Status::kOk);
+  for (size_t i = 0; i < std::size(kCounted); ++i) {
+    EXPECT_GT(before[i], 0u) << kCounted[i];
+    EXPECT_GE(counter(*app_, kCounted[i]), before[i]) << kCounted[i];
+  }
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_EQ(counter(*app_, "frames"), 80u);
+  EXPECT_EQ(counter(*app_, "starts"), 2u);
+}
+
+TEST_F(AppLife, TakesWhatIsDelivered) {
+  Still still(40);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 20) ASSERT_EQ(app_->poll(), Status::kOk);
+  GnssFix fix;
+  fix.t = INT64_MAX;
+  EXPECT_EQ(app_->deliver(arrival_of(fix)), Status::kOk);
+  EXPECT_EQ(app_->deliver(arrival_of(bsp::GpioEdge{kBegin, {1, 2}, true}, true)), Status::kOk);
+  EXPECT_EQ(app_->deliver(arrival_of(ArrivalKind::kLost, Sensor::kCamera)), Status::kOk);
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  EXPECT_EQ(counter(*app_, "aside_stamp_impossible"), 1u);
+  EXPECT_EQ(counter(*app_, "edges_lost"), 1u);
+  EXPECT_EQ(counter(*app_, "camera_lost_device"), 1u);
+  EXPECT_EQ(counter(*app_, "camera_back"), 1u) << "its next frame says so";
+  EXPECT_EQ(std::count(log_.health.begin(), log_.health.end(), "the cameras are lost"), 1);
+  EXPECT_EQ(std::count(log_.health.begin(), log_.health.end(), "the cameras are back"), 1);
+}
+
+// Whatever is commanded, done or refused, is no frame.
+TEST_F(AppLife, MeasuresTheLatencyOfFramesAlone) {
+  Still still(60);
+  play_fast(still);
+  app_->set_clock([] { return kBegin; });
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  while (log_.frames < 30) ASSERT_EQ(app_->poll(), Status::kOk);
+  for (const CommandKind kind :
+       {CommandKind::kSetParameter, CommandKind::kLoadMap, CommandKind::kSetPose}) {
+    ASSERT_TRUE(app_->command(command(kind)).ok());
+  }
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  ASSERT_EQ(log_.answers.size(), 3u);
+  EXPECT_GT(log_.poses, 30);
+  EXPECT_EQ(app_->latency().exposure_to_fused.summary().count, uint64_t(log_.poses));
 }
 
 TEST_F(AppLife, SetsAParameterWhileItTracks) {
@@ -332,8 +400,8 @@ TEST_F(AppLife, IsAskedAndCommandedFromAnotherThreadWhileItRuns) {
     Still still(80);
     Log log;
     app_->configure(Still::calibration(), AppParams{}, log.sinks());
-    board::play(still.source(), bsp::ReplayPace::kRealTime);
-    app_->set_clock(board::replay_now);
+    bsp::play(still.source(), bsp::ReplayPace::kRealTime);
+    app_->set_clock(bsp::replay_now);
     std::thread other([this, &log] {
       const Result<int> consumer = app_->poses().attach();
       ASSERT_TRUE(consumer.ok());
@@ -405,7 +473,7 @@ TEST_F(AppLife, TellsOfATaskThatIsLateAgainAndAgain) {
   Still still(60);
   Dawdler dawdler;
   app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
-  board::play(still.source(), bsp::ReplayPace::kRealTime);
+  bsp::play(still.source(), bsp::ReplayPace::kRealTime);
   EXPECT_EQ(app_->run(kTwoCores, Drive::kTimed), Status::kOk);
   EXPECT_GE(dawdler.late, 2);
   EXPECT_LE(dawdler.late, 1.1 + to_seconds(dawdler.last - dawdler.first)) << "once a second";
@@ -419,7 +487,7 @@ TEST_F(AppLife, TellsNothingOfTimeInAReplay) {
     Still still(30);
     Dawdler dawdler;
     app_->configure(Still::calibration(), AppParams{}, dawdler.sinks());
-    board::play(still.source(), bsp::ReplayPace::kFast);
+    bsp::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(threads ? fast_may_go_on : lockstep_may_go_on);
     EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
               Status::kOk);
@@ -435,7 +503,7 @@ TEST_F(AppLife, LagsByFramesHoweverFastMappingIs) {
     Log log;
     app_->configure(Still::calibration(), AppParams{}, log.sinks());
     app_->delay_mapping(3);
-    board::play(still.source(), bsp::ReplayPace::kFast);
+    bsp::play(still.source(), bsp::ReplayPace::kFast);
     app_->pace(lockstep_may_go_on);
     EXPECT_EQ(app_->run(threads ? kTwoCores : kOneCore, threads ? Drive::kTimed : Drive::kLockstep),
               Status::kOk);
@@ -461,20 +529,6 @@ TEST(MapGate, LetsThroughWhatWasSentSoManyFramesBefore) {
   EXPECT_TRUE(gate.ready(1));
   gate.open();
   EXPECT_TRUE(gate.ready(0));
-}
-
-TEST(CommandQueue, NumbersCommandsAndRefusesTooMany) {
-  CommandQueue queue;
-  Command command;
-  uint32_t pushed = 0;
-  while (queue.push(command).ok()) ++pushed;
-  EXPECT_GE(pushed, 8u);
-  for (uint32_t ticket = 1; ticket <= pushed; ++ticket) {
-    ASSERT_TRUE(queue.pop(command));
-    EXPECT_EQ(command.ticket, ticket);
-  }
-  EXPECT_FALSE(queue.pop(command));
-  EXPECT_EQ(queue.push(command).value(), pushed + 1);
 }
 
 }  // namespace

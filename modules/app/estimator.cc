@@ -1,7 +1,6 @@
 #include "modules/app/estimator.h"
 
 #include <algorithm>
-#include <new>
 
 #include "bsp/api/clock.h"
 #include "core/math/trig.h"
@@ -50,10 +49,8 @@ void Estimator::reset(TimeNs t, const char* why) {
 
 void Estimator::rebuild(TimeNs t, const char* why) {
   resets_before_ += tracker_.trust().resets + 1;
-  tracker_.~Tracker();  // in place: no stack could hold another
-  new (&tracker_) Tracker;
-  mapper_.~Mapper();
-  new (&mapper_) Mapper;
+  tracker_.forget();
+  mapper_.forget();
   (void)map_mailbox_.take();
   map_gate_.restart();
   configure_tracking();
@@ -104,8 +101,8 @@ Status Estimator::load_map(TimeNs t, const MapSource& source) {
 }
 
 FusedState Estimator::fused() const {
-  FusedState out = {tracker_.state(), tracker_.cov(),   tracker_.health(),
-                    tracker_.trust(), tracker_.epoch(), tracker_.running()};
+  FusedState out = {tracker_.state(), tracker_.cov(),     tracker_.health(), tracker_.trust(),
+                    tracker_.epoch(), tracker_.running(), tracker_.at_rest()};
   out.trust.resets += resets_before_;
   return out;
 }
@@ -145,7 +142,7 @@ Step Estimator::wait_for_map() {
   if (!map_gate_.ready(mapper_.finished())) return Step::kIdle;
   PIRVS_TRACE("door.frame");
   const TimeNs begin = bsp::cpu_time();
-  gravity_B_ = tracker_.prepare();
+  gravity_B_ = tracker_.prepare(mapper_.finished());
   tracking_ns_ += bsp::cpu_time() - begin;
   frontends_left_.store(kCamerasMax);
   stage_.store(Stage::kFrontend, std::memory_order_release);

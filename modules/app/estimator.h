@@ -42,7 +42,7 @@ class Estimator {
   Step tracking_step();
   void flush_report();
   // ---- on the door's core, while idle() and mapping_rests() ----
-  // Forgets map and state; resets are counted on.
+  // Forgets map and state; all counters go on.
   void reset(TimeNs t, const char* why);
   // Other parameters from now on; what is tracked goes on.
   void retune(const AppParams& params);

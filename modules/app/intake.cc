@@ -4,25 +4,32 @@
 
 namespace pirvs {
 
-void Intake::configure(Door* door, const IntakeTap& tap, const CommandSource& commands) {
+void Intake::configure(Door* door, const IntakeTap& tap, const ArrivalSource& inbox) {
   *this = Intake{};
   door_ = door;
   tap_ = tap;
-  commands_ = commands;
+  inbox_ = inbox;
 }
 
+// What is asked next depends on what was pushed, and on nothing else: a replay asks the same.
 void Intake::push(const Arrival& arrival) {
+  const int i = static_cast<int>(arrival.sensor);
+  if (arrival.kind == ArrivalKind::kFault) fault_since_tick_[i] = true;
+  if (arrival.kind == ArrivalKind::kEnd) ended_[i] = true;
+  if (arrival.kind == ArrivalKind::kTick) {
+    for (bool& fault : fault_since_tick_) fault = false;
+  }
   if (tap_.arrival != nullptr) tap_.arrival(tap_.context, arrival);
   door_->push(arrival);
 }
 
 // A replay gives a frame only once the IMU has come to it, so the cameras are asked first.
-bool Intake::poll() { return poll_command() || poll_camera() || poll_imu() || poll_tick(); }
+bool Intake::poll() { return poll_inbox() || poll_camera() || poll_imu() || poll_tick(); }
 
-bool Intake::poll_command() {
-  Command command;
-  if (commands_.next == nullptr || !commands_.next(commands_.context, command)) return false;
-  push(arrival_of(command));
+bool Intake::poll_inbox() {
+  Arrival arrival;
+  if (inbox_.next == nullptr || !inbox_.next(inbox_.context, arrival)) return false;
+  push(arrival);
   return true;
 }
 
@@ -40,39 +47,36 @@ bool Intake::poll_camera() {
   if (status == Status::kOk) {
     push(arrival_of(frame));
   } else if (status == Status::kStale) {
-    ended_[static_cast<int>(Sensor::kCamera)] = true;
     push(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
   } else {
-    fault_since_tick_[static_cast<int>(Sensor::kCamera)] = true;
     push(arrival_of(ArrivalKind::kFault, Sensor::kCamera, status));
   }
   return true;
 }
 
 bool Intake::ask_imu(Arrival& out) {
-  if (!door_->wants_imu() || !may_ask(Sensor::kImu)) return false;
+  if (!door_->wants_imu()) return false;
   ImuSample sample;
   const Status status = bsp::imu_poll(sample);
   if (status == Status::kEmpty) return false;
   if (status == Status::kOk || status == Status::kFull) {
     out = arrival_of(sample, status == Status::kFull);
   } else if (status == Status::kStale) {
-    ended_[static_cast<int>(Sensor::kImu)] = true;
     out = arrival_of(ArrivalKind::kEnd, Sensor::kImu);
   } else {
-    fault_since_tick_[static_cast<int>(Sensor::kImu)] = true;
     out = arrival_of(ArrivalKind::kFault, Sensor::kImu, status);
   }
   return true;
 }
 
 bool Intake::poll_imu() {
-  Arrival arrival;
+  if (!may_ask(Sensor::kImu)) return false;
   if (has_pending_) {
     has_pending_ = false;
     push(pending_);
     return true;
   }
+  Arrival arrival;
   if (!ask_imu(arrival)) return false;
   push(arrival);
   return true;
@@ -81,7 +85,8 @@ bool Intake::poll_imu() {
 // What is no sample waits for poll(), and all that comes after it.
 void Intake::drain_imu() {
   Arrival arrival;
-  while (!has_pending_ && !door_->is_lost(Sensor::kImu) && ask_imu(arrival)) {
+  while (!has_pending_ && may_ask(Sensor::kImu) && !door_->is_lost(Sensor::kImu) &&
+         ask_imu(arrival)) {
     if (arrival.kind == ArrivalKind::kImu) {
       push(arrival);
     } else {
@@ -94,7 +99,6 @@ void Intake::drain_imu() {
 bool Intake::poll_tick() {
   TimeNs t = 0;
   if (bsp::tick_poll(t) != Status::kOk) return false;
-  for (bool& fault : fault_since_tick_) fault = false;
   push(tick_at(t));
   return true;
 }

@@ -1,5 +1,5 @@
 // Asks all that can come in, and pushes it through the door as arrivals.
-// In      bsp::imu_poll, camera_poll, tick_poll; commands from CommandSource.
+// In      bsp::imu_poll, camera_poll, tick_poll; what nobody asks for from an ArrivalSource.
 // Out     poll(): one arrival, when the door has nothing left to hand out. drain_imu(): all IMU
 //         samples that are there, at any time, so that the door's fresh listener has them at once.
 //         Either way the door hands out the same items. IntakeTap sees each arrival before the door
@@ -19,14 +19,15 @@ struct IntakeTap {
   void (*arrival)(void*, const Arrival&) = nullptr;  // a frame's images are valid during the call
 };
 
-struct CommandSource {
+// Commands, fixes, wheel samples, edges, sensors that are lost or back: an inbox, or a recording.
+struct ArrivalSource {
   void* context = nullptr;
-  bool (*next)(void*, Command& out) = nullptr;
+  bool (*next)(void*, Arrival& out) = nullptr;
 };
 
 class Intake {
  public:
-  void configure(Door* door, const IntakeTap& tap = {}, const CommandSource& commands = {});
+  void configure(Door* door, const IntakeTap& tap = {}, const ArrivalSource& inbox = {});
   void set_tap(const IntakeTap& tap) { tap_ = tap; }
 
   // False: nothing has come.
@@ -36,7 +37,7 @@ class Intake {
   static void release(void*, const StereoFrame& frame);
 
  private:
-  bool poll_command();
+  bool poll_inbox();
   bool poll_camera();
   bool poll_imu();
   bool poll_tick();
@@ -46,7 +47,7 @@ class Intake {
 
   Door* door_ = nullptr;
   IntakeTap tap_;
-  CommandSource commands_;
+  ArrivalSource inbox_;
   bool ended_[static_cast<int>(Sensor::kCount)] = {};
   bool fault_since_tick_[static_cast<int>(Sensor::kCount)] = {};
   Arrival pending_;  // of the IMU, met by drain_imu(): it must wait for poll()

@@ -8,6 +8,7 @@
 // Source  own; docs/adr/0003-lockstep-determinism.md.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <cstdint>
 
@@ -15,7 +16,8 @@
 
 namespace pirvs {
 
-// Of a recorded run: the keyframe whose result the next frame used, 0: none. False: not known.
+// Of a recorded run: up to which keyframe mapping had come when the next frame began. False: not
+// known.
 struct MapDecisions {
   void* context = nullptr;
   bool (*next)(void* context, uint32_t& keyframe) = nullptr;
@@ -43,7 +45,8 @@ class MapGate {
   void frame(uint32_t sent) {
     uint32_t keyframe = 0;
     if (decisions_.next != nullptr && decisions_.next(decisions_.context, keyframe)) {
-      return limit_.store(keyframe, std::memory_order_release);
+      // A recording that began in the midst of a run may name keyframes that are not there.
+      return limit_.store(std::min(keyframe, sent), std::memory_order_release);
     }
     if (lag_ == kFree) return open();
     sent_[frames_ % (kLagMax + 1)] = sent;

@@ -36,7 +36,7 @@ struct Arrival {
   ArrivalKind kind = ArrivalKind::kTick;
   Sensor sensor = Sensor::kImu;  // kFault, kLost, kBack, kEnd
   Status status = Status::kOk;   // kFault
-  bool after_loss = false;       // kImu: the driver lost samples before this one, which is good
+  bool after_loss = false;       // kImu, kEdge: the driver lost some before this one, which is good
   TimeNs t = 0;                  // kTick
   ImuSample imu;
   StereoFrame frame;
@@ -58,6 +58,28 @@ inline Arrival arrival_of(const StereoFrame& frame) {
   Arrival out;
   out.kind = ArrivalKind::kFrame;
   out.frame = frame;
+  return out;
+}
+
+inline Arrival arrival_of(const GnssFix& fix) {
+  Arrival out;
+  out.kind = ArrivalKind::kGnss;
+  out.gnss = fix;
+  return out;
+}
+
+inline Arrival arrival_of(const WheelSample& wheel) {
+  Arrival out;
+  out.kind = ArrivalKind::kWheel;
+  out.wheel = wheel;
+  return out;
+}
+
+inline Arrival arrival_of(const bsp::GpioEdge& edge, bool after_loss = false) {
+  Arrival out;
+  out.kind = ArrivalKind::kEdge;
+  out.after_loss = after_loss;
+  out.edge = edge;
   return out;
 }
 

@@ -36,6 +36,7 @@ void Door::push(const Arrival& arrival) {
     case ArrivalKind::kGnss:
     case ArrivalKind::kWheel:
     case ArrivalKind::kEdge:
+      if (arrival.after_loss) news_.losses.add(DoorLoss::kEdgesLost);
       return aside_.push(arrival, news_.losses);
     case ArrivalKind::kCommand:
       PIRVS_ASSERT(!has_command_);
@@ -75,7 +76,9 @@ void Door::push_imu(const Arrival& arrival) {
 
 void Door::push_frame(const StereoFrame& frame) {
   PIRVS_ASSERT(wants_frame());
-  sensors_[static_cast<int>(Sensor::kCamera)].heard(news_);
+  SensorWatch& sensor = sensors_[static_cast<int>(Sensor::kCamera)];
+  sensor.heard(news_);
+  sensor.lost_frames(frame.lost_before, last_.t, news_);
   frame_.images = frame;
   frame_state_ = FrameState::kHeld;
   if (!is_stamp(frame.t) || !is_stamp(watch_.to_imu_clock(frame.t))) {

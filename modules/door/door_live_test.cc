@@ -148,6 +148,24 @@ TEST(door_live, faults_of_a_driver_are_counted_by_sensor_and_name_and_change_not
   EXPECT_EQ(with, without);
 }
 
+TEST(door_live, frames_that_a_driver_lost_are_counted_and_told_at_most_once_a_second) {
+  Live live;
+  for (TimeNs end = 50 * kMs; end <= 1'900 * kMs; end += 50 * kMs) {
+    live.run(5'000 * kMs, 0, end);
+    StereoFrame frame;
+    frame.t = live.now - 5 * kMs;
+    frame.lost_before = 2;
+    live.push(arrival_of(frame));
+    live.push(arrival_of(Live::sample(live.now), true));
+    live.now += 5 * kMs;
+    live.push(arrival_of(bsp::GpioEdge{live.now, {1, 2}, true}, true));
+  }
+  EXPECT_EQ(live.lost(DoorLoss::kFramesLost), 2 * 38u);
+  EXPECT_EQ(live.lost(DoorLoss::kImuLost), 38u);
+  EXPECT_EQ(live.lost(DoorLoss::kEdgesLost), 38u);
+  EXPECT_EQ(live.told(DoorLoss::kFramesLost), 2);
+}
+
 TEST(door_live, a_sensor_that_gives_faults_alone_is_lost_until_it_gives_an_item) {
   Live live;
   live.run(100 * kMs, 2'000 * kMs, 200 * kMs);

@@ -18,6 +18,7 @@ const char* name(DoorLoss loss) {
                                            "imu_silent",
                                            "imu_clock_back",
                                            "stream_broken",
+                                           "frames_lost",
                                            "frame_stamp_impossible",
                                            "frame_backwards",
                                            "frame_before_imu",
@@ -34,6 +35,7 @@ const char* name(DoorLoss loss) {
                                            "imu_queue_full",
                                            "aside_stamp_impossible",
                                            "aside_full",
+                                           "edges_lost",
                                            "imu_bus_fault",
                                            "imu_timeout",
                                            "imu_bad_data",
@@ -52,6 +54,8 @@ const char* message(DoorLoss loss) {
   switch (loss) {
     case DoorLoss::kImuSilent:
       return "the IMU is silent";
+    case DoorLoss::kFramesLost:
+      return "the cameras' driver loses frames";
     case DoorLoss::kImuBusFault:
     case DoorLoss::kImuTimeout:
     case DoorLoss::kImuBadData:

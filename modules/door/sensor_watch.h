@@ -1,8 +1,8 @@
-// What the driver of one sensor answers: faults, told at most once a second; a sensor that gives
-// faults alone is lost, until it gives an item again.
+// What the driver of one sensor answers: faults, and frames that it lost, each told at most once a
+// second; a sensor that gives faults alone is lost, until it gives an item again.
 // In      Every arrival that is about the sensor, and ticks.
 // Units   ns.
-// Errors  Faults, losses and returns are counted by name.
+// Errors  Faults, frames lost, losses and returns are counted by name.
 // Cost    none to speak of.
 // Source  docs/faults.md.
 #pragma once
@@ -37,9 +37,13 @@ class SensorWatch {
     faulty_ = true;
     const DoorLoss what = name_of(status);
     news.losses.add(what);
-    if (lost_ || (told_t_ != INT64_MIN && sensor_t - told_t_ < kTellEvery_ns)) return;
-    told_t_ = sensor_t;
-    (void)news.events.push_back(what);
+    if (!lost_) tell_now_and_then(what, sensor_t, fault_told_t_, news);
+  }
+  // The driver of the cameras lost so many frames.
+  void lost_frames(uint32_t count, TimeNs sensor_t, DoorNews& news) {
+    if (count == 0) return;
+    news.losses.count[static_cast<int>(DoorLoss::kFramesLost)] += count;
+    tell_now_and_then(DoorLoss::kFramesLost, sensor_t, frames_told_t_, news);
   }
   void tick(TimeNs t, DoorNews& news) {
     if (!faulty_) return;
@@ -65,6 +69,11 @@ class SensorWatch {
  private:
   static constexpr TimeNs kTellEvery_ns = 1'000'000'000;
 
+  static void tell_now_and_then(DoorLoss what, TimeNs t, TimeNs& told_t, DoorNews& news) {
+    if (told_t != INT64_MIN && t - told_t < kTellEvery_ns) return;
+    told_t = t;
+    (void)news.events.push_back(what);
+  }
   DoorLoss name_of(Status status) const {
     if (status == Status::kBusFault) {
       return is_imu_ ? DoorLoss::kImuBusFault : DoorLoss::kCameraBusFault;
@@ -80,7 +89,7 @@ class SensorWatch {
   bool faulty_ = false;  // its last answer was a fault
   bool lost_ = false, ended_ = false;
   Silence faults_alone_;
-  TimeNs told_t_ = INT64_MIN;
+  TimeNs fault_told_t_ = INT64_MIN, frames_told_t_ = INT64_MIN;
 };
 
 }  // namespace pirvs

@@ -11,8 +11,7 @@ namespace {
 constexpr float kStartConfidence = 0.5f;
 constexpr double kRestConfidence = 0.9;   // held by zero velocity, whatever is seen
 constexpr double kBlindConfidence = 0.5;  // at once; from there it falls with time
-constexpr double kDoubtConfidence = 0.25;
-constexpr double kSpreadFull = 1.5;  // two thirds of the cells are as good as all
+constexpr double kSpreadFull = 1.5;       // two thirds of the cells are as good as all
 
 }  // namespace
 
@@ -62,7 +61,7 @@ float Health::judge(const FrameEvidence& e) const {
   } else if (!e.at_rest) {
     vision = kBlindConfidence / (1 + blind_s_ / params_.blind_half_s);
   }
-  if (in_doubt_ && !e.at_rest) vision = std::min(vision, kDoubtConfidence);
+  if (in_doubt_ && !e.at_rest) vision = std::min(vision, static_cast<double>(kDoubtConfidence));
   const double sigma = e.position_sigma_m / params_.sigma_half_m;
   return static_cast<float>(vision / (1 + sigma * sigma));
 }

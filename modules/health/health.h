@@ -14,6 +14,8 @@
 
 namespace pirvs {
 
+inline constexpr float kDoubtConfidence = 0.25f;  // the most while stamps are in doubt
+
 enum class HealthState : uint8_t { kInitializing, kTracking, kDegraded, kLost, kCount };
 const char* name(HealthState state);
 

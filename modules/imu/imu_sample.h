@@ -16,4 +16,12 @@ inline ImuSample interpolated(const ImuSample& a, const ImuSample& b, TimeNs t) 
   return out;
 }
 
+// One sensor's stamps may be wrong: the sample says no more than a line over such a gap.
+inline ImuSample doubted(const ImuSample& sample) {
+  constexpr float kDoubt_s = 0.2f;
+  ImuSample out = sample;
+  if (out.gap_s < kDoubt_s) out.gap_s = kDoubt_s;
+  return out;
+}
+
 }  // namespace pirvs

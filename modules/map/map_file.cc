@@ -250,10 +250,9 @@ Status check_header(const MapFileHeader& header) {
 
 }  // namespace
 
-Status save_map(const Map& map, const MapSink& sink) {
-  static uint32_t saved_as[kLandmarksMax];  // one map is saved at a time
+Status save_map(const Map& map, const MapSink& sink, MapIndex& index) {
   Writer counter(nullptr);
-  put_payload(counter, map, saved_as);
+  put_payload(counter, map, index.saved_as);
   MapFileHeader header = {};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   header.version = kVersion;
@@ -262,7 +261,7 @@ Status save_map(const Map& map, const MapSink& sink) {
   header.payload_bytes = counter.count();
   Writer out(&sink);
   out.put(header);
-  put_payload(out, map, saved_as);
+  put_payload(out, map, index.saved_as);
   out.put(out.crc());
   out.flush();
   return out.status();

@@ -5,7 +5,7 @@
 // Frames  as the map's. Little-endian, doubles as they are: header, points, keyframes, CRC-32.
 // Errors  kBadData: not a map, another version, cut off, damaged, or more than this build holds;
 //         load then leaves an empty map, verify changes none. Others: of the sink or the source.
-// Cost    ~240 bytes a point, ~60 an observation; no heap; 4 KiB of stack.
+// Cost    ~240 bytes a point, ~60 an observation; no heap; 4 KiB of stack, and MapIndex.
 // Source  own.
 #pragma once
 
@@ -23,7 +23,12 @@ struct MapSource {
   Status (*read)(void* context, void* data, size_t size);  // all of it; kBadData: the file ends
 };
 
-Status save_map(const Map& map, const MapSink& sink);
+// What save_map() works in: by the slot of a point, its place among those saved.
+struct MapIndex {
+  uint32_t saved_as[kLandmarksMax];
+};
+
+Status save_map(const Map& map, const MapSink& sink, MapIndex& index);
 // Whole and undamaged? Reads to the end.
 Status verify_map(const MapSource& source);
 // From the start again, into an empty map.

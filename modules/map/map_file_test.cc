@@ -75,10 +75,12 @@ std::unique_ptr<Map> some_map() {
   return map;
 }
 
+MapIndex index;
+
 TEST(map_file, brings_back_points_keyframes_and_who_sees_what) {
   const auto map = some_map();
   File file;
-  ASSERT_EQ(save_map(*map, file.sink()), Status::kOk);
+  ASSERT_EQ(save_map(*map, file.sink(), index), Status::kOk);
   EXPECT_EQ(verify_map(file.source()), Status::kOk);
   auto again = std::make_unique<Map>();
   ASSERT_EQ(load_map(file.source(), *again), Status::kOk);
@@ -98,13 +100,13 @@ TEST(map_file, brings_back_points_keyframes_and_who_sees_what) {
     EXPECT_EQ(point->descriptor.w[2], uint64_t(left.x) * 77);
   }
   File second;
-  ASSERT_EQ(save_map(*again, second.sink()), Status::kOk);
+  ASSERT_EQ(save_map(*again, second.sink(), index), Status::kOk);
   EXPECT_TRUE(file.bytes == second.bytes) << "saved again, the same bytes";
 }
 
 TEST(map_file, refuses_a_file_cut_off_anywhere) {
   File file;
-  ASSERT_EQ(save_map(*some_map(), file.sink()), Status::kOk);
+  ASSERT_EQ(save_map(*some_map(), file.sink(), index), Status::kOk);
   for (size_t size = 0; size < file.bytes.size(); size += 97) {
     File cut;
     cut.bytes.assign(file.bytes.begin(), file.bytes.begin() + std::ptrdiff_t(size));
@@ -117,7 +119,7 @@ TEST(map_file, refuses_a_file_cut_off_anywhere) {
 
 TEST(map_file, refuses_any_damaged_byte) {
   File file;
-  ASSERT_EQ(save_map(*some_map(), file.sink()), Status::kOk);
+  ASSERT_EQ(save_map(*some_map(), file.sink(), index), Status::kOk);
   Random random(9);
   for (int i = 0; i < 200; ++i) {
     File damaged = file;

@@ -1,7 +1,7 @@
 // What tracking and mapping tell each other: keyframes by ring, the refined map by mailbox. Neither
 // includes the other.
 // Frames  W, B, C as in map.h.
-// Errors  none: a full ring refuses the message, and the sender counts it.
+// Errors  none: what finds no room the sender counts.
 // Cost    memory: a message ~60 kB, a snapshot ~1.6 MB; the mailbox holds three.
 // Source  PIRVS paper, section IV: tracking and mapping run in parallel.
 #pragma once
@@ -65,8 +65,11 @@ struct KeyframeMessage {
   bool at_rest = false;  // the body stands still: its velocity is known to be zero
 };
 
-inline constexpr size_t kStartKeyframesMax = 14;                 // of one start
-inline constexpr size_t kKeyframeRing = kStartKeyframesMax + 2;  // a whole start, and slack
+inline constexpr size_t kStartKeyframesMax = 14;  // of one start
+// Keyframes that may wait for mapping.
+inline constexpr size_t kKeyframeRing = kStartKeyframesMax  // a whole start
+                                        + 1                 // being adjusted
+                                        + 2;                // slack
 using KeyframeRing = Ring<KeyframeMessage, kKeyframeRing>;
 using MapMailbox = Mailbox<MapSnapshot>;
 

@@ -1,5 +1,7 @@
 #include "modules/mapping/mapper.h"
 
+#include <new>
+
 #include "modules/mapping/forgetting.h"
 #include "modules/mapping/new_points.h"
 
@@ -14,6 +16,12 @@ void Mapper::configure(const Camera* cameras, const ImuNoise& noise, const Mappi
   adjustment_.configure(cameras, noise, params, &counters_);
 }
 
+void Mapper::forget() {
+  const MappingCounters counted = counters_;
+  this->~Mapper();  // in place: no stack could hold another
+  new (this) Mapper(counted);
+}
+
 void Mapper::on_keyframe_removed(void (*sink)(void*, const BodyState&), void* context) {
   map_.on_removed(sink, context);
 }
@@ -24,13 +32,14 @@ void Mapper::step() {
       const KeyframeMessage* message = ring_->front();
       if (message == nullptr) return;
       insert(*message);
-      if (message->adjust) {
+      const uint32_t sequence = message->sequence;
+      const bool adjust = message->adjust;
+      if (adjust) {
         busy_.store(true, std::memory_order_release);
         phase_ = Phase::kBuild;
-      } else {
-        finished_.store(message->sequence, std::memory_order_release);
       }
-      ring_->pop();
+      ring_->pop();  // before it counts as finished: tracking then knows of the room
+      if (!adjust) finished_.store(sequence, std::memory_order_release);
       return;
     }
     case Phase::kBuild:

@@ -18,6 +18,7 @@ namespace pirvs {
 
 class Mapper {
  public:
+  explicit Mapper(const MappingCounters& counted = {}) : counters_(counted) {}
   void configure(const Camera* cameras, const ImuNoise& noise, const MappingParams& params,
                  KeyframeRing* keyframes, MapMailbox* snapshots);
   void step();  // one slice of work
@@ -27,6 +28,8 @@ class Mapper {
   uint32_t finished() const { return finished_.load(std::memory_order_acquire); }
 
   // ---- while it rests ----
+  // Everything but what has been counted; configure() and on_keyframe_removed() are next.
+  void forget();
   // W is moved by T, a turn about the vertical and a shift: all that is kept, and published.
   void move_world(const SE3& T);
   // The map of an earlier run, into an empty one, published. Errors as load_map().

@@ -58,6 +58,7 @@ static_assert(in_range(StereoParams{}, kStereoRows));
 
 class StereoMatcher {
  public:
+  explicit StereoMatcher(const CounterArray<StereoLoss>& counted = {}) : losses_(counted) {}
   void configure(const Camera& c0, const Camera& c1, const StereoParams& params);
   // Searches all depths from params.depth_m_min to infinity.
   StereoLoss find(int from, const PyramidStore& image_from, const PyramidStore& image_to,

@@ -1,7 +1,8 @@
 // Predictor, feed and latency as one: fused states and IMU samples in, poses to all consumers out.
-// In      fuse(): after every frame, and when tracking is lost or interrupted; from one core at a
-//         time. add_imu(): every good sample at once; interrupt(): time does not go on from the
-//         last sample; both from the door's core.
+// In      fuse(): after every frame; replace(): when the state was changed otherwise, by a command
+//         or an interruption; both from one core at a time. add_imu(): every good sample at once;
+//         interrupt(): time does not go on from the last sample; doubt_stamps(): one sensor's
+//         stamps may be wrong; these from the door's core.
 // Out     feed(), to attach to; latency(), from any core.
 // Errors  counted by the predictor.
 // Cost    that of Predictor::add_imu and PoseFeed::publish. 0.4 MB.
@@ -27,7 +28,9 @@ class Output {
     predictor_.fuse(fused);
     if (now_ != nullptr && fused.running) latency_.exposure_to_fused.add(now_() - fused.state.t);
   }
+  void replace(const FusedState& state) { predictor_.fuse(state); }
   void interrupt() { predictor_.interrupt(); }
+  void doubt_stamps(bool in_doubt) { predictor_.doubt_stamps(in_doubt); }
   void add_imu(const ImuSample& sample) {
     if (!predictor_.add_imu(sample, pose_)) return;
     if (now_ != nullptr) {

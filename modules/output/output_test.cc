@@ -50,6 +50,15 @@ TEST(Output, PublishesAndMeasuresAtEverySample) {
   EXPECT_DOUBLE_EQ(fused.max_ms, 12.0);
 }
 
+TEST(Output, MeasuresFramesAlone) {
+  const auto output = std::make_unique<Output>();
+  output->configure(ImuNoise{}, 1.8, 1'000'000'000);
+  output->set_clock(read_clock);
+  output->fuse(fused_at(0));
+  output->replace(fused_at(0));
+  EXPECT_EQ(output->latency().exposure_to_fused.summary().count, 1u);
+}
+
 TEST(Output, MeasuresNothingWithoutAClock) {
   const auto output = std::make_unique<Output>();
   output->configure(ImuNoise{}, 1.8, 1'000'000'000);

@@ -18,6 +18,7 @@ struct FusedState {
   Trust trust;
   uint16_t epoch = 0;    // poses of different epochs have no known relation
   bool running = false;  // false: there is no state to go on from
+  bool at_rest = false;
 };
 
 // A prediction from the newest fused state to the IMU sample at state.t.

@@ -1,6 +1,9 @@
 #include "modules/output/predictor.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "modules/imu/imu_sample.h"
 
 namespace pirvs {
 namespace {
@@ -24,7 +27,7 @@ void Predictor::configure(const ImuNoise& noise, double cov_scale, TimeNs bridge
   bridge_ = bridge;
   (void)mailbox_.take();
   begin_ = end_ = 0;
-  anchored_ = false;
+  anchored_ = in_doubt_ = false;
   anchors_missed_ = not_finite_ = 0;
 }
 
@@ -34,11 +37,11 @@ void Predictor::fuse(const FusedState& fused) {
 }
 
 bool Predictor::add_imu(const ImuSample& sample, Pose& out) {
-  remember(sample);
+  remember(in_doubt() ? doubted(sample) : sample);
   if (const FusedState* fused = mailbox_.take()) {
     anchored_ = anchor(*fused);
   } else if (anchored_) {
-    propagate(at(end_ - 2), sample, noise_, fused_.state, fused_.cov);
+    propagate(at(end_ - 2), at(end_ - 1), noise_, fused_.state, fused_.cov);
   }
   if (!anchored_) return false;
   if (!is_finite()) {
@@ -99,6 +102,7 @@ void Predictor::fill(Pose& out) const {
   out.cov = fused_.cov.topLeftCorner<9, 9>();
   out.health = fused_.health;
   out.trust = fused_.trust;
+  if (in_doubt()) out.trust.confidence = std::min(out.trust.confidence, kDoubtConfidence);
   out.epoch = fused_.epoch;
   out.dead_reckoning = to_seconds(out.state.t - t_frame_) > kDeadReckoning_s;
 }

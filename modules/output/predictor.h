@@ -1,7 +1,9 @@
 // The pose at each IMU sample, at once: the newest fused state, integrated over the samples since.
 // In      fuse(): the state after each frame, from tracking's core. add_imu(): every good sample in
 //         order, from the door's core, as soon as the door has accepted it.
-// Out     a Pose at the sample's time but for t_published.
+// Out     a Pose at the sample's time but for t_published. While stamps are in doubt, samples count
+//         for as little as in the filter, so that the covariance grows, and there is little
+//         confidence; a body at rest loses nothing by wrong stamps.
 // Errors  add_imu gives false when there is nothing to give: tracking does not run; time ran back
 //         or stood still for longer than `bridge`, and no state was fused since; the fused state is
 //         older than kHistory samples (anchors_missed); the result is not finite (not_finite).
@@ -29,6 +31,8 @@ class Predictor {
   void fuse(const FusedState& fused);
   // Time does not go on from the last sample, however small the step is. The door's core.
   void interrupt();
+  // Of the samples from the next one on. The door's core.
+  void doubt_stamps(bool in_doubt) { in_doubt_ = in_doubt; }
   [[nodiscard]] bool add_imu(const ImuSample& sample, Pose& out);
 
   // From any core.
@@ -41,6 +45,7 @@ class Predictor {
   const ImuSample& at(size_t i) const { return history_[i % kHistory]; }
   void remember(const ImuSample& sample);
   bool anchor(const FusedState& fused);
+  bool in_doubt() const { return in_doubt_ && !fused_.at_rest; }
   bool is_finite() const;
   void fill(Pose& out) const;
 
@@ -51,7 +56,7 @@ class Predictor {
   // The door's core alone from here on. Samples [begin_, end_) are kept, by number since the start.
   ImuSample history_[kHistory];
   size_t begin_ = 0, end_ = 0;
-  bool anchored_ = false;
+  bool anchored_ = false, in_doubt_ = false;
   FusedState fused_;  // state and cov: at the newest sample
   TimeNs t_frame_ = 0;
   std::atomic<uint32_t> anchors_missed_{0}, not_finite_{0};

@@ -183,6 +183,43 @@ TEST(Predictor, MissesAStateOlderThanItsHistory) {
   EXPECT_TRUE(both.add(5.005));
 }
 
+// One sensor's clock may have been set: from then on samples count as in the filter, which is told
+// the same.
+TEST(Predictor, SaysOfStampsInDoubtThatTheyAre) {
+  Both doubted_too, both;
+  for (Both* b : {&doubted_too, &both}) {
+    for (int i = 0; i <= 20; ++i) {
+      b->filter.propagate(b->sway.imu(i * kPeriod_s));
+      (void)b->add(i * kPeriod_s);
+    }
+    b->fuse();
+    b->predictor->doubt_stamps(b == &doubted_too);
+    for (int i = 21; i <= 30; ++i) {
+      const ImuSample sample = b->sway.imu(i * kPeriod_s);
+      b->filter.propagate(b == &doubted_too ? doubted(sample) : sample);
+      ASSERT_TRUE(b->add(i * kPeriod_s));
+      b->expect_agreement();
+    }
+  }
+  EXPECT_EQ(both.pose.trust.confidence, 0.8f);
+  EXPECT_EQ(doubted_too.pose.trust.confidence, kDoubtConfidence);
+  for (int i = 0; i < 9; ++i) EXPECT_GT(doubted_too.pose.cov(i, i), both.pose.cov(i, i)) << i;
+  EXPECT_GT(doubted_too.pose.cov(0, 0), 10 * both.pose.cov(0, 0)) << "the gyro's time may be wrong";
+  doubted_too.predictor->doubt_stamps(false);
+  ASSERT_TRUE(doubted_too.add(31 * kPeriod_s));
+  EXPECT_EQ(doubted_too.pose.trust.confidence, 0.8f) << "the fused state's own";
+}
+
+TEST(Predictor, DoubtsNothingAtRest) {
+  Both both;
+  both.fused.at_rest = true;
+  both.predictor->doubt_stamps(true);
+  both.predictor->fuse(both.fused);
+  EXPECT_TRUE(both.add(0));
+  EXPECT_TRUE(both.add(kPeriod_s));
+  EXPECT_EQ(both.pose.trust.confidence, 0.8f);
+}
+
 TEST(Predictor, NeverGivesWhatIsNotFinite) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   Both both;

@@ -3,29 +3,25 @@
 namespace pirvs {
 namespace {
 
-OrderKind kind_of(ArrivalKind kind) {
-  switch (kind) {
-    case ArrivalKind::kImu:
-      return OrderKind::kImu;
-    case ArrivalKind::kFrame:
-      return OrderKind::kFrame;
-    case ArrivalKind::kTick:
-      return OrderKind::kTick;
-    case ArrivalKind::kCommand:
-      return OrderKind::kCommand;
-    case ArrivalKind::kFault:
-      return OrderKind::kFault;
-    case ArrivalKind::kEnd:
-      return OrderKind::kEnd;
-    case ArrivalKind::kLost:
-    case ArrivalKind::kBack:
-    case ArrivalKind::kGnss:
-    case ArrivalKind::kWheel:
-    case ArrivalKind::kEdge:
-    case ArrivalKind::kCount:
-      break;
+void put_fix(TextWriter& text, const GnssFix& fix) {
+  text.number(fix.t).put(',').number(static_cast<int64_t>(fix.type));
+  for (const double value : {fix.latitude_deg, fix.longitude_deg, fix.height_m,
+                             fix.sigma_horizontal_m, fix.sigma_vertical_m}) {
+    text.put(',').exact(value);
   }
-  return OrderKind::kNone;
+  text.put(fix.has_velocity ? ",1" : ",0");
+  for (int i = 0; i < 3; ++i) text.put(',').exact(fix.v_ned[i]);
+  text.put(',').exact(fix.sigma_velocity_m_s);
+}
+
+void put_wheel(TextWriter& text, const WheelSample& wheel) {
+  text.number(wheel.t).put(',').number(static_cast<int64_t>(wheel.kind));
+  for (const double value : wheel.value) text.put(',').exact(value);
+}
+
+void put_edge(TextWriter& text, const bsp::GpioEdge& edge) {
+  text.number(edge.t).put(',').number(edge.pin.bank).put(',').number(edge.pin.line);
+  text.put(edge.level ? ",1" : ",0");
 }
 
 void put_command(TextWriter& text, const Command& command) {
@@ -49,7 +45,7 @@ const char* fault_name(Status status) {
 
 OrderRow order_row_of(const Arrival& arrival) {
   OrderRow out;
-  out.kind = kind_of(arrival.kind);
+  out.kind = arrival.kind;
   out.sensor = arrival.sensor;
   out.status = arrival.status;
   out.after_loss = arrival.after_loss;
@@ -58,34 +54,67 @@ OrderRow order_row_of(const Arrival& arrival) {
   if (arrival.kind == ArrivalKind::kFrame) {
     out.t = arrival.frame.t;
     out.present = arrival.frame.present;
-    for (int c = 0; c < 2; ++c) out.late[c] = arrival.frame.late[c];
+    out.lost_before = arrival.frame.lost_before;
+    for (int c = 0; c < kCamerasMax; ++c) out.late[c] = arrival.frame.late[c];
   }
-  if (arrival.kind == ArrivalKind::kCommand) out.command = arrival.command;
+  out.gnss = arrival.gnss;
+  out.wheel = arrival.wheel;
+  out.edge = arrival.edge;
+  out.command = arrival.command;
+  return out;
+}
+
+Arrival arrival_of(const OrderRow& row) {
+  Arrival out;
+  out.kind = row.kind;
+  out.sensor = row.sensor;
+  out.status = row.status;
+  out.after_loss = row.after_loss;
+  out.t = row.t;
+  out.gnss = row.gnss;
+  out.wheel = row.wheel;
+  out.edge = row.edge;
+  out.command = row.command;
   return out;
 }
 
 void put(TextWriter& text, const OrderRow& row) {
-  if (row.kind == OrderKind::kNone) return;
   text.put(kOrderKinds[static_cast<int>(row.kind)]).put(',');
   switch (row.kind) {
-    case OrderKind::kImu:
+    case ArrivalKind::kImu:
       text.number(row.t).put(row.after_loss ? ",1" : ",0");
       break;
-    case OrderKind::kFrame:
+    case ArrivalKind::kFrame:
       text.number(row.t).put(',').number(row.present);
       for (const TimeNs late : row.late) text.put(',').number(late);
+      text.put(',').number(row.lost_before);
       break;
-    case OrderKind::kCommand:
+    case ArrivalKind::kGnss:
+      put_fix(text, row.gnss);
+      break;
+    case ArrivalKind::kWheel:
+      put_wheel(text, row.wheel);
+      break;
+    case ArrivalKind::kEdge:
+      put_edge(text, row.edge);
+      text.put(row.after_loss ? ",1" : ",0");
+      break;
+    case ArrivalKind::kCommand:
       put_command(text, row.command);
       break;
-    case OrderKind::kFault:
+    case ArrivalKind::kTick:
+      text.number(row.t);
+      break;
+    case ArrivalKind::kFault:
       text.put(kSensorNames[static_cast<int>(row.sensor)]).put(',').put(fault_name(row.status));
       break;
-    case OrderKind::kEnd:
+    case ArrivalKind::kLost:
+    case ArrivalKind::kBack:
+    case ArrivalKind::kEnd:
       text.put(kSensorNames[static_cast<int>(row.sensor)]);
       break;
-    default:
-      text.number(row.t);
+    case ArrivalKind::kCount:
+      break;
   }
   text.put('\n');
 }

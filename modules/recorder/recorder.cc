@@ -16,13 +16,13 @@ constexpr const char* kCameraImages[] = {"mav0/cam0/data/", "mav0/cam1/data/"};
 static_assert(std::size(kCameraTable) == kCamerasMax);
 
 constexpr int kDoorCore = 0;  // in every plan; a replay waits there until there is room
-constexpr size_t kRow = 12 * TextWriter::kNumber;  // the longest row: a command and its text
 
 }  // namespace
 
 const char* name(RecordLoss loss) {
   static constexpr const char* kNames[] = {"record_imu_dropped", "record_frame_dropped",
-                                           "record_order_dropped", "record_not_written"};
+                                           "record_order_dropped", "record_map_dropped",
+                                           "record_not_written"};
   static_assert(std::size(kNames) == static_cast<size_t>(RecordLoss::kCount));
   return kNames[static_cast<size_t>(loss)];
 }
@@ -48,6 +48,7 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
                  "#timestamp [ns],w_x [rad/s],w_y [rad/s],w_z [rad/s],f_x [m/s^2],f_y [m/s^2],"
                  "f_z [m/s^2]\n"));
   PIRVS_TRY(open(order_, "mav0/order.csv", kOrderHeading));
+  PIRVS_TRY(open(maps_, "mav0/maps.csv", "#frame [ns],keyframe\n"));
   started_ = true;
   return Status::kOk;
 }
@@ -99,11 +100,8 @@ void Recorder::arrival(const Arrival& arrival) {
   order_ring_.end_push();
 }
 
-void Recorder::decision(uint32_t map) {
-  OrderRow row;
-  row.kind = OrderKind::kMap;
-  row.t = map;
-  if (!order_ring_.push(row)) losses_.add(RecordLoss::kOrderDropped);
+void Recorder::decision(TimeNs t, uint32_t keyframe) {
+  if (!map_ring_.push({t, keyframe})) losses_.add(RecordLoss::kMapDropped);
 }
 
 bool Recorder::imu(const ImuSample& sample) {
@@ -127,7 +125,7 @@ bool Recorder::frame(const StereoFrame& frame) {
 
 bool Recorder::has_room() const {
   return imu_ring_.size() + kImuRoom <= kImuRing && frame_ring_.size() < kFramesHeld &&
-         order_ring_.size() + 2 * kImuRoom <= kOrderRing;
+         order_ring_.size() + 2 * kImuRoom <= kOrderRing && map_ring_.size() < kMapRing;
 }
 
 // The first error is the last thing that is tried.
@@ -143,7 +141,7 @@ void Recorder::check(Status status) {
 
 Status Recorder::write_row(Table& table) {
   PIRVS_ASSERT(!table.block.full());
-  if (table.block.room() >= kRow) return Status::kOk;
+  if (table.block.room() >= kOrderRowMax) return Status::kOk;
   const Status status = bsp::storage_write(table.file, table.block.c_str(), table.block.size());
   table.block.clear();
   return status;
@@ -162,6 +160,12 @@ Status Recorder::write_order(const OrderRow& row) {
   if (failed_) return Status::kFull;
   put(order_.block, row);
   return write_row(order_);
+}
+
+Status Recorder::write_map(const MapRow& row) {
+  if (failed_) return Status::kFull;
+  maps_.block.number(row.t).put(',').number(row.keyframe).put('\n');
+  return write_row(maps_);
 }
 
 Status Recorder::write_image(const ImageView& image, const char* name) {
@@ -210,6 +214,11 @@ Step Recorder::step() {
     order_ring_.pop();
     worked = true;
   }
+  for (MapRow* row = map_ring_.front(); row != nullptr; row = map_ring_.front()) {
+    check(write_map(*row));
+    map_ring_.pop();
+    worked = true;
+  }
   const StereoFrame* const frame = frame_ring_.front();
   if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
   for (int c = 0; c < kCamerasMax; ++c) {
@@ -239,7 +248,7 @@ void Recorder::run() {
 }
 
 void Recorder::finish() {
-  for (Table* table : {&imu_, &order_, &camera_[0], &camera_[1]}) {
+  for (Table* table : {&imu_, &order_, &maps_, &camera_[0], &camera_[1]}) {
     if (!table->open) continue;
     if (!failed_) check(bsp::storage_write(table->file, table->block.c_str(), table->block.size()));
     const Status closed = bsp::storage_close(table->file);

@@ -1,11 +1,12 @@
 // Writes everything that comes to the sensor door as an ASL folder, beside the estimator and never
 // in its way: raw, before any of it is judged, so that a run can be had again.
 // In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in
-//         work used that arrivals do not say. step(): from a core that has time, at best its own.
-//         A frame is held (bsp::camera_retain) until it is written.
+//         work goes by that arrivals do not say. step(): from a core that has time, at best its
+//         own. A frame is held (bsp::camera_retain) until it is written.
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
 //         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a
 //         row for each arrival in its order, so that a replay can follow it (order_row.h).
+//         mav0/maps.csv: for each frame the keyframe up to which mapping had come when it began.
 // Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
@@ -29,7 +30,14 @@
 
 namespace pirvs {
 
-enum class RecordLoss : uint8_t { kImuDropped, kFrameDropped, kOrderDropped, kNotWritten, kCount };
+enum class RecordLoss : uint8_t {
+  kImuDropped,
+  kFrameDropped,
+  kOrderDropped,
+  kMapDropped,
+  kNotWritten,
+  kCount
+};
 const char* name(RecordLoss loss);
 
 class Recorder {
@@ -42,8 +50,8 @@ class Recorder {
   bool started() const { return started_; }
 
   void arrival(const Arrival& arrival);
-  // The frame in work uses mapping's result of this keyframe.
-  void decision(uint32_t map);
+  // The frame of time t goes by what mapping had done up to this keyframe.
+  void decision(TimeNs t, uint32_t keyframe);
   // Room for what the door may ask of the sensors in one step; a replay can wait for it.
   bool has_room() const;
 
@@ -67,11 +75,17 @@ class Recorder {
     Text<kBlock> block;
   };
 
+  struct MapRow {
+    TimeNs t;
+    uint32_t keyframe;
+  };
+
   static constexpr size_t kImuRing = 1024;                     // 5 s at 200 Hz
   static constexpr size_t kImuRoom = 256;                      // a step of the door takes fewer
   static constexpr size_t kOrderRing = kImuRing + kFramesHeld  // all that waits beside it
                                        + 512                   // ticks of 5 s
-                                       + 512;                  // faults, decisions
+                                       + 512;                  // all else
+  static constexpr size_t kMapRing = 512;                      // 5 s at 100 frames a second
 
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
@@ -82,6 +96,7 @@ class Recorder {
   Status write_sample(const ImuSample& sample);
   Status write_camera(const StereoFrame& frame, int c);
   Status write_order(const OrderRow& row);
+  Status write_map(const MapRow& row);
   bool imu(const ImuSample& sample);
   bool frame(const StereoFrame& frame);
   void check(Status status);
@@ -89,7 +104,8 @@ class Recorder {
   Ring<ImuSample, kImuRing> imu_ring_;
   Ring<StereoFrame, kFramesHeld> frame_ring_;
   Ring<OrderRow, kOrderRing> order_ring_;
-  Table imu_, order_, camera_[kCamerasMax];
+  Ring<MapRow, kMapRing> map_ring_;
+  Table imu_, order_, maps_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
   std::atomic<int> core_{-1};         // none: steps are called by hand
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask

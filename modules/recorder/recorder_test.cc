@@ -10,8 +10,8 @@
 #include <string>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/linux/storage.h"
+#include "bsp/replay/sensors.h"
 
 namespace pirvs {
 namespace {
@@ -30,7 +30,7 @@ class recorder : public testing::Test {
       camera.height = 2;
       camera.fx = camera.fy = 1.0 / 3;
     }
-    board::play(camera(), bsp::ReplayPace::kFast);
+    bsp::play(camera(), bsp::ReplayPace::kFast);
   }
   ~recorder() override {
     bsp::set_storage_directory(".");
@@ -93,6 +93,32 @@ TEST_F(recorder, writes_what_it_is_given) {
   EXPECT_NE(content("cam1/sensor.yaml").find("\ntimeshift_cam_imu: 0.004\n"), std::string::npos);
   EXPECT_EQ(recorder_->frames_written(), 3u);
   EXPECT_EQ(released_, 3);
+}
+
+TEST_F(recorder, writes_the_order_of_all_that_comes) {
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  recorder_->arrival(arrival_of(ImuSample{5, Vec3::Zero(), Vec3::Zero()}, true));
+  record(11, 3, 4);
+  GnssFix fix;
+  fix.t = 12;
+  fix.latitude_deg = 0.1;
+  fix.type = GnssFixType::kFloat;
+  fix.v_ned = Vec3(1, 2, 3);
+  recorder_->arrival(arrival_of(fix));
+  recorder_->arrival(arrival_of(WheelSample{13, {-1.5, 7}, WheelKind::kTicks}));
+  recorder_->arrival(arrival_of(bsp::GpioEdge{14, {4, 27}, true}));
+  recorder_->arrival(tick_at(15));
+  recorder_->arrival(arrival_of(ArrivalKind::kFault, Sensor::kCamera, Status::kTimeout));
+  recorder_->arrival(arrival_of(ArrivalKind::kLost, Sensor::kImu));
+  recorder_->arrival(arrival_of(ArrivalKind::kBack, Sensor::kImu));
+  recorder_->arrival(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
+  recorder_->decision(11, 3);
+  write_all();
+  EXPECT_EQ(content("order.csv"),
+            "#kind,stamp [ns],more by kind\nimu,5,1\nframe,11,3,0,4,0\n"
+            "gnss,12,3,0.1,0,0,0,0,0,1,2,3,0\nwheel,13,2,-1.5,7\nedge,14,4,27,1,0\ntick,15\n"
+            "fault,camera,timeout\nlost,imu\nback,imu\nend,camera\n");
+  EXPECT_EQ(content("maps.csv"), "#frame [ns],keyframe\n11,3\n");
 }
 
 TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {

@@ -132,11 +132,12 @@ void Keyframer::observe(const Associator& seen, Observations* observations) cons
 
 KeyframeMessage* Keyframer::begin(const BodyState& state, bool at_rest, uint16_t epoch,
                                   const Associator& seen) {
-  KeyframeMessage* message = ring_->begin_push();
-  if (message == nullptr) {
+  if (!has_room(1)) {
     ++dropped_;
     return nullptr;
   }
+  KeyframeMessage* const message = ring_->begin_push();
+  PIRVS_ASSERT(message != nullptr);  // what mapping has done is no longer in the ring
   message->sequence = ++sequence_;
   message->state = state;
   observe(seen, message->observations);
@@ -155,24 +156,23 @@ void Keyframer::end(const KeyframeMessage& message, const BodyState& state) {
   since_last_.reset(state.b_g, state.b_a);
 }
 
-size_t Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error) {
-  size_t sent = 0;
+bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error) {
+  if (!has_room(keyframes.size())) {
+    dropped_ += static_cast<uint32_t>(keyframes.size());
+    return false;
+  }
   for (const KeyframeMessage& message : keyframes) {
-    KeyframeMessage* slot = ring_->begin_push();
-    if (slot == nullptr) {
-      ++dropped_;
-      return sent;
-    }
+    KeyframeMessage* const slot = ring_->begin_push();
+    PIRVS_ASSERT(slot != nullptr);
     *slot = message;
     slot->sequence = ++sequence_;
     slot->epoch = epoch;
     slot->error = error;
     ring_->end_push();
-    ++sent;
   }
   last_ = keyframes.back().state;
   since_last_.reset(last_.b_g, last_.b_a);
-  return sent;
+  return true;
 }
 
 void Keyframer::refine(const BodyState& state) {

@@ -1,7 +1,8 @@
 // Keyframes: when one is due, which of its tracks the other camera sees, the message to mapping.
 // In      poses and tracks as they are; every sample while tracking runs.
 // Out     KeyframeMessage by ring; stereo pairs, which also start tracks in the other camera.
-// Errors  begin: nullptr, send_start: fewer than all: mapping is behind and the ring full.
+// Errors  begin: nullptr, send_start: false, nothing is sent: kKeyframeRing wait for mapping, by
+//         what note_mapped() says, whatever the ring looks like meanwhile.
 // Cost    ~1.2 ms a keyframe, nearly all of it the search for stereo pairs, x86-64.
 // Source  PIRVS paper, section IV.C.
 #pragma once
@@ -16,6 +17,8 @@ namespace pirvs {
 
 class Keyframer {
  public:
+  // Goes on counting.
+  explicit Keyframer(const CounterArray<StereoLoss>& pairs = {}) : stereo_(pairs) {}
   void configure(const Camera* cameras, const ImuNoise& noise, const TrackerParams& params,
                  const StereoParams& stereo, KeyframeRing* ring);
   // Motion since the last keyframe, from one sample to the next.
@@ -38,19 +41,25 @@ class Keyframer {
   KeyframeMessage* begin(const BodyState& state, bool at_rest, uint16_t epoch,
                          const Associator& seen);
   void end(const KeyframeMessage& message, const BodyState& state);
-  // All keyframes of a start; the next one links to the last of them. Returns how many were sent.
-  size_t send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error);
+  // All keyframes of a start; the next one links to the last of them.
+  bool send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error);
 
   // Mapping has refined the last keyframe, or closing a loop has moved it.
   void refine(const BodyState& state);
   void move_last(const SE3& T) { move(T, last_); }
-  void continue_after(uint32_t sequence) { sequence_ = sequence; }
+  void continue_after(uint32_t sequence) { sequence_ = mapped_ = sequence; }
+  // Mapping has done all up to this keyframe.
+  void note_mapped(uint32_t sequence) { mapped_ = sequence > mapped_ ? sequence : mapped_; }
+  uint32_t mapped() const { return mapped_; }
   const BodyState& last() const { return last_; }
   uint32_t sent() const { return sequence_; }  // so far, the newest one's sequence
   uint32_t dropped() const { return dropped_; }
   const StereoMatcher& stereo() const { return stereo_; }
 
  private:
+  bool has_room(size_t keyframes) const {
+    return sequence_ - mapped_ + keyframes <= KeyframeRing::capacity();
+  }
   void pair(int from, size_t index, const SE3* T_CW_to, Associator& seen);
   bool find_counterpart(int from, const Track& track, const SE3* T_CW_to, Associator& seen,
                         Vec2& uv_to);
@@ -68,7 +77,7 @@ class Keyframer {
   FixedVector<StereoPair, kTracksMax> pairs_;
   Preintegration since_last_;
   BodyState last_;
-  uint32_t sequence_ = 0, dropped_ = 0;
+  uint32_t sequence_ = 0, mapped_ = 0, dropped_ = 0;
 };
 
 }  // namespace pirvs

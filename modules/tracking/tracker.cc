@@ -1,13 +1,12 @@
 #include "modules/tracking/tracker.h"
 
 #include <cmath>
+#include <new>
 
 #include "core/math/so3.h"
 
 namespace pirvs {
 namespace {
-
-constexpr float kDoubt_s = 0.2f;  // in doubt, a sample says no more than a line over such a gap
 
 // What the IMU of a body at rest should say.
 StandstillDetector::Expected expected_at_rest(const BodyState& state) {
@@ -40,9 +39,15 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
   health_.configure(params.health);
 }
 
+void Tracker::forget() {
+  const TrackingCounters counted = counters_;
+  const CounterArray<StereoLoss> pairs = keyframer_.stereo().losses();
+  this->~Tracker();  // in place: no stack could hold another
+  new (this) Tracker(counted, pairs);
+}
+
 void Tracker::add_imu(const ImuSample& measured) {
-  ImuSample sample = measured;
-  if (in_doubt_ && sample.gap_s < kDoubt_s) sample.gap_s = kDoubt_s;
+  const ImuSample sample = in_doubt_ ? doubted(measured) : measured;
   const bool follows = !history_.empty();
   const ImuSample before = follows ? history_.newest() : sample;
   history_.add(sample);
@@ -55,12 +60,14 @@ void Tracker::add_imu(const ImuSample& measured) {
   }
 }
 
-Vec3 Tracker::prepare() {
+Vec3 Tracker::prepare(uint32_t finished) {
   if (!running_) {
+    keyframer_.note_mapped(finished);
     associator_.predict(initializer_.take_turn());
     return -force_B_;
   }
   take_snapshot();
+  keyframer_.note_mapped(associator_.map().keyframe());
   const SE3& T_WB = estimate_.state().T_WB;
   associator_.predict(estimate_.T_WB_last_frame(), T_WB);
   return T_WB.R.transpose() * Vec3(0, 0, -kGravity_m_s2);
@@ -118,6 +125,7 @@ void Tracker::match() {
 
 FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   FrameResult result;
+  const uint32_t sent = keyframer_.sent(), dropped = keyframer_.dropped();
   ++counters_.frames;
   const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
   last_frame_t_ = t;
@@ -135,8 +143,8 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   } else {
     start(t, seen, result);
   }
-  counters_.keyframes = keyframer_.sent();
-  counters_.keyframes_dropped = keyframer_.dropped();
+  counters_.keyframes += keyframer_.sent() - sent;
+  counters_.keyframes_dropped += keyframer_.dropped() - dropped;
   if (!running_) return result;
   estimate_.end_frame();
   result.has_pose = true;
@@ -241,7 +249,7 @@ void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
     epoch_ = ++epochs_;
     if (!place_known_) error = initializer_.origin_error(t);
   }
-  if (keyframer_.send_start(starter.keyframes(), epoch_, error) < starter.keyframes().size()) {
+  if (!keyframer_.send_start(starter.keyframes(), epoch_, error)) {
     initializer_.fail();  // mapping is behind: try again with the next frames
     return;
   }

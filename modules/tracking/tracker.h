@@ -75,6 +75,10 @@ struct FrameResult {
 // Many methods: the one door to tracking; half of them answer in one line.
 class Tracker {
  public:
+  Tracker() = default;
+  // Goes on counting.
+  Tracker(const TrackingCounters& counted, const CounterArray<StereoLoss>& pairs)
+      : keyframer_(pairs), counters_(counted) {}
   // Called again: other parameters from now on; what is tracked goes on, an attempt to start begins
   // anew. `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist.
   // Front-ends, ring and mailbox stay the caller's and outlive the tracker.
@@ -82,10 +86,14 @@ class Tracker {
                  const TrackingParams& params, Frontend* frontends, KeyframeRing* keyframes,
                  MapMailbox* map);
 
+  // Everything but what has been counted; configure() is next.
+  void forget();
+
   void add_imu(const ImuSample& sample);
   // Before the front-ends run on the frame at time t (the last sample's): takes the newest map and
-  // tells every track where to look. Returns gravity in B for the descriptors.
-  Vec3 prepare();
+  // tells every track where to look. `finished`: the newest keyframe that mapping has done. Returns
+  // gravity in B for the descriptors.
+  Vec3 prepare(uint32_t finished);
   // After correspondences were found: associates the unmatched, a separate step so that its time
   // can be told from that of the filter.
   void match();
@@ -113,7 +121,10 @@ class Tracker {
   bool running() const { return running_; }
   uint16_t epoch() const { return epoch_; }
   const BodyState& state() const { return estimate_.state(); }
-  uint32_t map_keyframe() const { return associator_.map().keyframe(); }  // 0: no map yet
+  // Up to which keyframe mapping had come when the frame in work began: what the frame depends on
+  // besides its input. While tracking runs, the keyframe of its map.
+  uint32_t mapped() const { return keyframer_.mapped(); }
+  bool at_rest() const { return standstill_.at_rest(); }
   // The pose, or where a start would continue.
   const SE3& place() const { return running_ ? state().T_WB : initializer_.origin(); }
   Mat15 cov() const { return estimate_.cov(); }

@@ -224,7 +224,7 @@ TEST(keyframer, is_due_by_time_distance_turn_and_unknown_tracks) {
   EXPECT_TRUE(k.due(0.5)) << "no track shows a known point";
 }
 
-TEST(keyframer, a_message_says_what_is_seen_and_a_full_ring_drops_it) {
+TEST(keyframer, a_message_says_what_is_seen_and_too_many_are_dropped) {
   Keyframing k;
   ASSERT_TRUE(k.send(1'000'000'000));
   const KeyframeMessage* message = k.ring->front();
@@ -241,6 +241,15 @@ TEST(keyframer, a_message_says_what_is_seen_and_a_full_ring_drops_it) {
   EXPECT_EQ(k.keyframer->dropped(), 1u);
   EXPECT_EQ(k.keyframer->sent(), kKeyframeRing) << "a dropped one has no number";
   EXPECT_EQ(k.keyframer->last().t, 1'000'000'000);
+  while (k.ring->front() != nullptr) k.ring->pop();
+  EXPECT_FALSE(k.send(3'000'000'000)) << "what mapping does meanwhile says nothing";
+  k.keyframer->note_mapped(2);
+  EXPECT_TRUE(k.send(4'000'000'000));
+  EXPECT_TRUE(k.send(5'000'000'000));
+  EXPECT_FALSE(k.send(6'000'000'000));
+  k.keyframer->note_mapped(1);
+  EXPECT_EQ(k.keyframer->mapped(), 2u) << "mapping does not go back";
+  EXPECT_EQ(k.keyframer->dropped(), 3u);
 }
 
 // ---- the estimate ------------------------------------------------------------------------------
@@ -302,7 +311,7 @@ struct Resting : Eyes {
   }
   FrameResult frame() {
     for (int i = 0; i < kFrame_ns / kSample_ns; ++i) feel();
-    (void)tracker->prepare();
+    (void)tracker->prepare(0);
     for (size_t i = 0; i < frontend[0].tracks().size(); ++i) {
       Track& track = frontend[0].track(i);
       track.x_last = track.x;

@@ -11,15 +11,16 @@
 #include <string>
 #include <vector>
 
-#include "board/host/wiring.h"
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
+#include "bsp/replay/sensors.h"
 #include "core/base/assert.h"
 #include "modules/app/intake.h"
 #include "modules/calibration/calibration_check.h"
 #include "modules/door/door.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/order_file.h"
 #include "tools/dataset/recording.h"
 #include "tools/dataset/trajectory.h"
 #include "tools/run/fault.h"
@@ -76,6 +77,18 @@ void image_list(const uint8_t* data, size_t size) {
     PIRVS_ASSERT(!images.empty());
     for (size_t i = 1; i < images.size(); ++i) PIRVS_ASSERT(images[i].t > images[i - 1].t);
   });
+}
+
+void order_csv(const uint8_t* data, size_t size) {
+  const MemoryFile file(data, size);
+  expect_result_or_refusal([&] {
+    for (const OrderRow& row : tools::read_order(file.path())) {
+      Text<kOrderRowMax + 1> text;
+      put(text, row);
+      PIRVS_ASSERT(!text.full() && arrival_of(row).kind == row.kind);
+    }
+  });
+  expect_result_or_refusal([&] { (void)tools::read_maps(file.path()); });
 }
 
 void expect_usable(const Calibration& calibration) {
@@ -179,7 +192,7 @@ void play_through_the_door(bsp::Pack& pack) {
   door->configure(calibration, DoorParams{}, listener);
   Intake intake;
   intake.configure(door.get());
-  board::play(pack.source(), bsp::ReplayPace::kFast);
+  bsp::play(pack.source(), bsp::ReplayPace::kFast);
   DoorItem item, before;
   bool first = true;
   uint64_t pixels = 0;
@@ -240,6 +253,7 @@ void device_tree(const uint8_t* data, size_t size) {
 const Target kTargets[] = {
     {"imu_csv", imu_csv},
     {"image_list", image_list},
+    {"order_csv", order_csv},
     {"sensor_yaml", sensor_yaml},
     {"kalibr_yaml", kalibr_yaml},
     {"trajectory", trajectory},

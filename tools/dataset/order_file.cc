@@ -28,6 +28,12 @@ class Fields {
     ok_ = ok_ && result.ec == std::errc() && result.ptr == end;
     return value;
   }
+  // A whole number from 0 to max.
+  int up_to(int max) {
+    const int value = number<int>();
+    ok_ = ok_ && value >= 0 && value <= max;
+    return ok_ ? value : 0;
+  }
   // The index of the next field among names.
   template <size_t N>
   int among(const char* const (&names)[N]) {
@@ -67,9 +73,7 @@ void read_text(Fields& fields, Command& command) {
 
 Command read_command(Fields& fields) {
   Command out;
-  const int kind = fields.number<int>();
-  fields.check(kind >= 0 && kind < int(CommandKind::kCount));
-  out.kind = CommandKind(kind);
+  out.kind = CommandKind(fields.up_to(int(CommandKind::kCount) - 1));
   out.value = float(fields.number<double>());
   out.yaw_rad = fields.number<double>();
   for (int i = 0; i < 3; ++i) out.p_WB[i] = fields.number<double>();
@@ -77,27 +81,71 @@ Command read_command(Fields& fields) {
   return out;
 }
 
+GnssFix read_fix(Fields& fields) {
+  GnssFix out;
+  out.t = fields.number<TimeNs>();
+  out.type = GnssFixType(fields.up_to(int(GnssFixType::kFixed)));
+  for (double* value : {&out.latitude_deg, &out.longitude_deg, &out.height_m,
+                        &out.sigma_horizontal_m, &out.sigma_vertical_m}) {
+    *value = fields.number<double>();
+  }
+  out.has_velocity = fields.up_to(1) != 0;
+  for (int i = 0; i < 3; ++i) out.v_ned[i] = fields.number<double>();
+  out.sigma_velocity_m_s = fields.number<double>();
+  return out;
+}
+
+WheelSample read_wheel(Fields& fields) {
+  WheelSample out;
+  out.t = fields.number<TimeNs>();
+  out.kind = WheelKind(fields.up_to(int(WheelKind::kTicks)));
+  for (double& value : out.value) value = fields.number<double>();
+  return out;
+}
+
+bsp::GpioEdge read_edge(Fields& fields) {
+  bsp::GpioEdge out;
+  out.t = fields.number<TimeNs>();
+  out.pin.bank = uint8_t(fields.up_to(UINT8_MAX));
+  out.pin.line = uint8_t(fields.up_to(UINT8_MAX));
+  out.level = fields.up_to(1) != 0;
+  return out;
+}
+
 OrderRow read_row(Fields& fields) {
   OrderRow row;
-  row.kind = OrderKind(fields.among(kOrderKinds));
+  row.kind = ArrivalKind(fields.among(kOrderKinds));
   switch (row.kind) {
-    case OrderKind::kImu:
+    case ArrivalKind::kImu:
       row.t = fields.number<TimeNs>();
-      row.after_loss = fields.number<int>() != 0;
+      row.after_loss = fields.up_to(1) != 0;
       break;
-    case OrderKind::kFrame:
+    case ArrivalKind::kFrame:
       row.t = fields.number<TimeNs>();
-      row.present = uint8_t(fields.number<int>() & 3);
+      row.present = uint8_t(fields.up_to(3));
       for (TimeNs& late : row.late) late = fields.number<TimeNs>();
+      row.lost_before = fields.number<uint32_t>();
       break;
-    case OrderKind::kCommand:
+    case ArrivalKind::kGnss:
+      row.gnss = read_fix(fields);
+      break;
+    case ArrivalKind::kWheel:
+      row.wheel = read_wheel(fields);
+      break;
+    case ArrivalKind::kEdge:
+      row.edge = read_edge(fields);
+      row.after_loss = fields.up_to(1) != 0;
+      break;
+    case ArrivalKind::kCommand:
       row.command = read_command(fields);
       break;
-    case OrderKind::kFault:
+    case ArrivalKind::kFault:
       row.sensor = Sensor(fields.among(kSensorNames));
       row.status = fields.fault();
       break;
-    case OrderKind::kEnd:
+    case ArrivalKind::kLost:
+    case ArrivalKind::kBack:
+    case ArrivalKind::kEnd:
       row.sensor = Sensor(fields.among(kSensorNames));
       break;
     default:
@@ -106,22 +154,40 @@ OrderRow read_row(Fields& fields) {
   return row;
 }
 
-}  // namespace
-
-std::vector<OrderRow> read_order(const std::string& path) {
+// Calls read(fields) for each whole row.
+template <class Read>
+void read_rows(const std::string& path, const char* what, const char* what_to_do, Read&& read) {
   std::ifstream in(path);
-  std::vector<OrderRow> out;
   size_t number = 0;
   for (std::string line; std::getline(in, line);) {
     ++number;
     if (in.eof()) break;  // no line end: cut off
     if (line.empty() || line[0] == '#') continue;
     Fields fields(line);
-    out.push_back(read_row(fields));
+    read(fields);
     if (fields.ok()) continue;
-    throw InputError("order of arrivals: not a row", path + " line " + std::to_string(number),
-                     "repair the line, or remove the file: items then come by their stamps");
+    throw InputError(what, path + " line " + std::to_string(number), what_to_do);
   }
+}
+
+}  // namespace
+
+std::vector<OrderRow> read_order(const std::string& path) {
+  std::vector<OrderRow> out;
+  read_rows(path, "order of arrivals: not a row",
+            "repair the line, or remove the file: items then come by their stamps",
+            [&](Fields& fields) { out.push_back(read_row(fields)); });
+  return out;
+}
+
+std::vector<uint32_t> read_maps(const std::string& path) {
+  std::vector<uint32_t> out;
+  read_rows(path, "mapping's progress: not a row",
+            "repair the line, or remove the file: mapping then goes at its own pace",
+            [&](Fields& fields) {
+              (void)fields.number<TimeNs>();
+              out.push_back(fields.number<uint32_t>());
+            });
   return out;
 }
 

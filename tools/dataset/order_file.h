@@ -1,5 +1,6 @@
-// What    Reads order.csv: in which order everything came to the door when a recording was made.
-// In      The file that modules/recorder wrote (order_row.h).
+// What    Reads order.csv: in which order everything came to the door when a recording was made;
+//         and maps.csv: up to which keyframe mapping had come when each frame began.
+// In      The files that modules/recorder wrote (order_row.h).
 // Out     Its rows; cut off before the first that is not whole, as after a power cut.
 // Units   ns.
 // Errors  InputError: a whole row that makes no sense.
@@ -14,5 +15,6 @@
 namespace pirvs::tools {
 
 std::vector<OrderRow> read_order(const std::string& path);
+std::vector<uint32_t> read_maps(const std::string& path);
 
 }  // namespace pirvs::tools

@@ -159,6 +159,7 @@ void Player::decode_all() {
 void Player::decode_frame(const FrameFiles& files, Slot& slot) {
   slot.frame = StereoFrame{};
   slot.frame.t = files.t;
+  slot.frame.lost_before = files.lost_before;
   for (int c = 0; c < 2; ++c) slot.frame.late[c] = files.late[c];
   for (int c = 0; c < recording_.calibration.cameras; ++c) {
     if (files.pixels[c].data != nullptr) {

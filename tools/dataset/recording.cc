@@ -68,9 +68,9 @@ void read_frames_in_order(const std::string& mav0, Recording& recording) {
   size_t image_at[2] = {0, 0}, imu = 0, row = 0;
   for (bool whole = true; row < recording.order.size(); ++row) {
     const OrderRow& order = recording.order[row];
-    if (order.kind == OrderKind::kImu) whole = imu++ < recording.imu.size();
+    if (order.kind == ArrivalKind::kImu) whole = imu++ < recording.imu.size();
     FrameFiles frame;
-    for (int c = 0; order.kind == OrderKind::kFrame && c < recording.calibration.cameras; ++c) {
+    for (int c = 0; order.kind == ArrivalKind::kFrame && c < recording.calibration.cameras; ++c) {
       frame.late[c] = order.late[c];
       if ((order.present >> c & 1) == 0) continue;
       whole = whole && image_at[c] < images[c].size();
@@ -78,7 +78,8 @@ void read_frames_in_order(const std::string& mav0, Recording& recording) {
     }
     if (!whole) break;
     frame.t = order.t;
-    if (order.kind == OrderKind::kFrame) recording.frames.push_back(frame);
+    frame.lost_before = order.lost_before;
+    if (order.kind == ArrivalKind::kFrame) recording.frames.push_back(frame);
   }
   recording.order.resize(row);
 }
@@ -120,7 +121,7 @@ std::vector<ListedImage> read_image_list(const std::string& path, std::vector<Co
   TextTable table(path, "list of images");
   std::vector<ListedImage> images;
   while (table.next()) {
-    const auto t = table.stamp(0);
+    const auto t = table.stamp();
     if (!t || table.columns() < 2) {
       if (!table.cut_off()) table.fail("needs 'stamp,file name'", "remove or repair the line");
       count(rejected, "image_rows_truncated");
@@ -140,7 +141,7 @@ std::vector<ImuSample> read_imu_samples(const std::string& path, std::vector<Cou
   std::vector<ImuSample> samples;
   constexpr size_t kValues = 6;
   while (table.next()) {
-    const auto t = table.stamp(0);
+    const auto t = table.stamp();
     double v[kValues] = {};
     bool complete = t && table.columns() > kValues;
     bool finite = true;
@@ -207,6 +208,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
   const bool whole = options.start_s <= 0 && options.duration_s <= 0;
   if (whole && fs::exists(mav0 + "/order.csv")) recording.order = read_order(mav0 + "/order.csv");
   const bool ordered = !recording.order.empty();
+  if (ordered && fs::exists(mav0 + "/maps.csv")) recording.maps = read_maps(mav0 + "/maps.csv");
   recording.imu = read_imu_samples(mav0 + "/imu0/data.csv", recording.rejected,
                                    ordered ? Rows::kAsRecorded : Rows::kInOrderOfTime);
   if (ordered) {

@@ -29,6 +29,7 @@ struct FrameFiles {
   std::string image[2];  // empty: that camera has no image at t
   ImageView pixels[2];   // of a packed recording, which has no image files
   TimeNs late[2] = {0, 0};
+  uint32_t lost_before = 0;  // frames that the driver lost
 };
 
 struct Count {
@@ -51,6 +52,8 @@ struct Recording {
   // As the recorder wrote it, in which case frames and samples are all that came, whatever their
   // stamps; else empty. Only of a whole recording, not of a part.
   std::vector<OrderRow> order;
+  // With it: up to which keyframe mapping had come when each frame began.
+  std::vector<uint32_t> maps;
   Trajectory truth;  // no poses: the recording has none
   std::vector<Count> rejected;
   std::shared_ptr<const void> pack;  // the memory that FrameFiles::pixels point into

@@ -66,6 +66,31 @@ TEST(recording, cuts_out_a_part) {
   PIRVS_EXPECT_SAYS(error_of(disk.folder(), options), "no frames");
 }
 
+// All stamps of the test recording, 1.5e18 ns later than the device was started.
+TEST(recording, stamped_since_the_device_was_started) {
+  const TestRecording disk;
+  for (const char* file : {"cam0/data.csv", "cam1/data.csv", "imu0/data.csv",
+                           "state_groundtruth_estimate0/data.csv"}) {
+    std::istringstream rows(disk.read(file));
+    std::string text;
+    for (std::string row; std::getline(rows, row);) {
+      const size_t comma = row.find(',');
+      if (row[0] != '#') {
+        row = std::to_string(std::stoll(row.substr(0, comma)) - TestRecording::kBegin_ns +
+                             61'000'000'000) +
+              row.substr(comma);
+      }
+      text += row + "\n";
+    }
+    disk.write(file, text);
+  }
+  const Recording recording = open_recording(disk.folder(), {});
+  EXPECT_EQ(recording.frames[3].t, 61'150'000'000);
+  EXPECT_EQ(recording.imu[0].t, 60'980'000'000);
+  EXPECT_EQ(recording.truth.poses[1].t - recording.truth.poses[0].t, 5'000'000);
+  EXPECT_EQ(Player(recording).next()->present, 3);
+}
+
 TEST(recording, says_which_file_is_missing) {
   for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml", "imu0/sensor.yaml",
                            "cam0/data.csv", "cam1/data.csv", "imu0/data.csv"}) {

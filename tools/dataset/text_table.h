@@ -1,11 +1,16 @@
 // What    Reads text tables of numbers (ASL .csv, TUM .tum) and points at the line that is wrong.
 // In      A file of rows; fields apart by commas or blanks; '#' starts a comment line.
 // Out     One row at a time: its fields as text, its line number; decoded on request.
-// Units   stamps: integer nanoseconds, or seconds with a decimal point; both become TimeNs exactly.
-// Errors  InputError with file and line. A last line that was cut off is not an error: truncated().
+// Units   stamps, in the first column: seconds with a decimal point, or integers, which the whole
+//         column decides: nanoseconds if one has more than 15 digits or they are 0.1 ms apart or
+//         more; seconds if another has a decimal point or they are 1000 s apart or less. All become
+//         TimeNs exactly.
+// Errors  InputError with file and line; of integers that may be either, too. A last line that was
+//         cut off is not an error: cut_off().
 // Cost    ~0.3 us per field; an EuRoC recording's IMU loads in ~50 ms.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -14,6 +19,9 @@
 #include "core/base/time.h"
 
 namespace pirvs::tools {
+
+// Of stamps that are integers.
+enum class StampUnit : uint8_t { kUnknown, kNanoseconds, kSeconds };
 
 class TextTable {
  public:
@@ -26,7 +34,7 @@ class TextTable {
   size_t columns() const { return fields_.size(); }
   std::string_view text(size_t column) const { return fields_[column]; }
   std::optional<double> number(size_t column) const;  // may be NaN; nullopt: not a number
-  std::optional<TimeNs> stamp(size_t column) const;
+  std::optional<TimeNs> stamp() const;                // of the first column
   bool has_commas() const { return has_commas_; }
   // The row at hand is the file's last one and has no line end: it may have been cut off.
   bool cut_off() const { return cut_off_; }
@@ -44,11 +52,9 @@ class TextTable {
   bool has_commas_ = false;
   bool cut_off_ = false;
   std::vector<std::string_view> fields_;
+  StampUnit unit_;
 
   bool split(std::string_view line);
 };
-
-// Integer nanoseconds ("1403636584763555584") or decimal seconds ("1403636584.763555584").
-std::optional<TimeNs> parse_stamp(std::string_view text);
 
 }  // namespace pirvs::tools

@@ -65,7 +65,7 @@ Trajectory read_trajectory(const std::string& path) {
     if (columns == 0) columns = table.columns();
     double value[kAslStateColumns] = {};
     const size_t used = std::min(columns, kAslStateColumns) - 1;
-    const auto t = table.stamp(0);
+    const auto t = table.stamp();
     if (!t || table.columns() < columns || !numbers(table, 1, used, value)) {
       if (table.cut_off()) {
         ++out.rows_truncated;

@@ -9,14 +9,54 @@
 namespace pirvs::tools {
 namespace {
 
-TEST(trajectory, stamps_are_exact) {
-  EXPECT_EQ(parse_stamp("1403636584763555584"), TimeNs{1403636584763555584});
-  EXPECT_EQ(parse_stamp("1403636584.763555584"), TimeNs{1403636584763555584});
-  EXPECT_EQ(parse_stamp("0.026060"), TimeNs{26'060'000});
-  EXPECT_EQ(parse_stamp("12"), TimeNs{12'000'000'000});
-  EXPECT_EQ(parse_stamp("-0.5"), TimeNs{-500'000'000});
-  for (const char* bad : {"", "x", "1.2.3", "1e9", "99999999999999999999", "nan"}) {
-    EXPECT_FALSE(parse_stamp(bad)) << bad;
+// The stamp in the first column of the table's first row, and what is in doubt of it.
+struct Stamp {
+  explicit Stamp(const std::string& table) {
+    const TestRecording disk;
+    disk.write("a.csv", table);
+    try {
+      TextTable rows(disk.path("a.csv"), "numbers");
+      if (rows.next()) t = rows.stamp();
+    } catch (const InputError& error) {
+      doubt = error.what();
+    }
+  }
+  std::optional<TimeNs> t;
+  std::string doubt;
+};
+
+TEST(text_table, stamps_are_exact) {
+  EXPECT_EQ(Stamp("1403636584763555584").t, TimeNs{1403636584763555584});
+  EXPECT_EQ(Stamp("1403636584.763555584").t, TimeNs{1403636584763555584});
+  EXPECT_EQ(Stamp("0.026060").t, TimeNs{26'060'000});
+  EXPECT_EQ(Stamp("-0.5").t, TimeNs{-500'000'000});
+  for (const char* bad : {"x", "1.2.3", "1e9", "99999999999999999999", "nan"}) {
+    EXPECT_FALSE(Stamp(bad).t) << bad;
+    EXPECT_EQ(Stamp(bad).doubt, "");
+  }
+}
+
+TEST(text_table, the_whole_column_decides_what_integers_are) {
+  EXPECT_EQ(Stamp("12 0\n13 0\n14 0\n").t, TimeNs{12'000'000'000});
+  EXPECT_EQ(Stamp("12 0\n12.5 0\n").t, TimeNs{12'000'000'000}) << "others have a decimal point";
+  // Since the device was started.
+  EXPECT_EQ(Stamp("#t [ns]\n73000000000,0\n73050000000,0\n73100000000,0\n").t,
+            TimeNs{73'000'000'000});
+  EXPECT_EQ(Stamp("0,0\n5000000,0\n10000000,0\n").t, TimeNs{0});
+  EXPECT_EQ(Stamp("5000000,0\n0,0\n5000000,0\n5000000,0\n").t, TimeNs{5'000'000})
+      << "whatever their order";
+  EXPECT_EQ(Stamp("999999999999999,0\n1000000000999999,0\n").t, TimeNs{999'999'999'999'999});
+  EXPECT_EQ(Stamp("73000000000,0\n").t, TimeNs{73'000'000'000}) << "no clock shows the year 4283";
+}
+
+TEST(text_table, integers_that_may_be_either_are_refused) {
+  for (const char* table : {"12 0\n", "0 0\n50000 0\n100000 0\n",     // us
+                            "1764140000000 0\n1764140000050 0\n"}) {  // ms since 1970
+    const Stamp stamp(table);
+    EXPECT_FALSE(stamp.t) << table;
+    EXPECT_NE(stamp.doubt.find("nanoseconds or seconds"), std::string::npos) << table;
+    EXPECT_NE(stamp.doubt.find("a.csv line 1"), std::string::npos) << stamp.doubt;
+    EXPECT_NE(stamp.doubt.find("decimal point"), std::string::npos) << "what to do";
   }
 }
 
@@ -56,9 +96,9 @@ TEST(trajectory, bad_rows_are_named_with_their_line) {
   const char* const cases[][2] = {{"1 0 0 0 0 0 0 1\n2 0 0 0 0 0 x 1\n3 0 0 0 0 0 0 1\n", "line 2"},
                                   {"1 0 0 0 0 0 0 1\n3 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n", "line 3"},
                                   {"1 0 0 0 0 0 0 1\n2 0 inf 0 0 0 0 1\n", "not finite"},
-                                  {"1 0 0 0 0 0 0 0\n", "quaternion is zero"},
-                                  {"1 0 0 0 0 0 0 3e190\n", "far from a unit one"},
-                                  {"1 0 0 0\n", "8 columns"},
+                                  {"1.0 0 0 0 0 0 0 0\n", "quaternion is zero"},
+                                  {"1.0 0 0 0 0 0 0 3e190\n", "far from a unit one"},
+                                  {"1.0 0 0 0\n", "8 columns"},
                                   {"", "no poses"}};
   for (const auto& [text, says] : cases) {
     const TestRecording disk;

@@ -56,52 +56,45 @@ bool Feed::order(void* context, bsp::RecordedArrival& out) {
   using Kind = bsp::RecordedArrival::Kind;
   Feed& feed = *static_cast<Feed*>(context);
   const std::vector<OrderRow>& rows = feed.recording_.order;
-  // Decisions are no arrivals.
-  while (feed.order_at_ < rows.size() && rows[feed.order_at_].kind == OrderKind::kMap) {
-    ++feed.order_at_;
-  }
   if (feed.order_at_ == rows.size()) return false;
   const OrderRow& row = rows[feed.order_at_];
   const Kind sensor = row.sensor == Sensor::kImu ? Kind::kImu : Kind::kFrame;
   switch (row.kind) {
-    case OrderKind::kImu:
+    case ArrivalKind::kImu:
       out = {Kind::kImu, row.after_loss ? Status::kFull : Status::kOk, 0};
       break;
-    case OrderKind::kFrame:
+    case ArrivalKind::kFrame:
       out = {Kind::kFrame, Status::kOk, 0};
       break;
-    case OrderKind::kTick:
+    case ArrivalKind::kTick:
       out = {Kind::kTick, Status::kOk, row.t};
       break;
-    case OrderKind::kFault:
+    case ArrivalKind::kFault:
       out = {sensor, row.status, 0};
       break;
-    case OrderKind::kEnd:
+    case ArrivalKind::kEnd:
       out = {sensor, Status::kStale, 0};
       break;
-    default:
+    default:  // told, not asked for
       out = {Kind::kOther, Status::kOk, 0};
   }
   return true;
 }
 
-bool Feed::next_command(void* context, pirvs::Command& out) {
+bool Feed::next_told(void* context, Arrival& out) {
   Feed& feed = *static_cast<Feed*>(context);
   bsp::RecordedArrival next;
   if (!feed.follows_order_ || !order(context, next)) return false;
-  const OrderRow& row = feed.recording_.order[feed.order_at_];
-  if (row.kind != OrderKind::kCommand) return false;
-  out = row.command;
-  ++feed.order_at_;
+  if (next.kind != bsp::RecordedArrival::Kind::kOther) return false;
+  out = pirvs::arrival_of(feed.recording_.order[feed.order_at_++]);
   return true;
 }
 
 bool Feed::next_map(void* context, uint32_t& keyframe) {
   Feed& feed = *static_cast<Feed*>(context);
-  const std::vector<OrderRow>& rows = feed.recording_.order;
-  while (feed.map_at_ < rows.size() && rows[feed.map_at_].kind != OrderKind::kMap) ++feed.map_at_;
-  if (!feed.follows_order_ || feed.map_at_ == rows.size()) return false;
-  keyframe = static_cast<uint32_t>(rows[feed.map_at_++].t);
+  const std::vector<uint32_t>& maps = feed.recording_.maps;
+  if (!feed.follows_order_ || feed.map_at_ == maps.size()) return false;
+  keyframe = maps[feed.map_at_++];
   return true;
 }
 

@@ -1,7 +1,7 @@
 // What    A recording as bsp/replay wants it: decoded, through the faults asked for.
 // In      An open Recording, which must outlive the feed; faults, perhaps none; how much later than
 //         its own time a frame comes.
-// Out     source() for board::play: items come in the order of recorded time, whatever a fault
+// Out     source() for bsp::play: items come in the order of recorded time, whatever a fault
 //         does to their stamps; or, as fast as possible, in the recorded order if there is one.
 // Frames  as recorded.
 // Errors  InputError on construction: no image can be read; a fault that cannot happen.
@@ -25,9 +25,9 @@ class Feed {
                 std::function<void(size_t played)> on_frame = {}, TimeNs camera_latency = 0);
   bsp::RecordingSource source();
 
-  // The recorded commands, each at its turn.
-  CommandSource commands() { return {this, next_command}; }
-  // Which of mapping's results each recorded frame used.
+  // What was told in the recorded run, each at its turn: for App::replay_inbox().
+  ArrivalSource inbox() { return {this, next_told}; }
+  // Up to which keyframe mapping had come when each recorded frame began.
   MapDecisions maps() { return {this, next_map}; }
 
   std::vector<Count> rejected() const { return player_.rejected(); }
@@ -40,7 +40,7 @@ class Feed {
   static TimeNs arrival(void* context, bool frame);
   static bool order(void* context, bsp::RecordedArrival& out);
   static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
-  static bool next_command(void* context, pirvs::Command& out);
+  static bool next_told(void* context, Arrival& out);
   static bool next_map(void* context, uint32_t& keyframe);
 
   const Recording& recording_;

@@ -7,7 +7,7 @@
 
 #include <functional>
 
-#include "board/host/wiring.h"
+#include "bsp/replay/sensors.h"
 #include "modules/app/replay_pace.h"
 
 namespace pirvs::tools {
@@ -22,8 +22,8 @@ inline Status play(App& app, const bsp::RecordingSource& source, const CorePlan&
                    Playback playback, const std::function<void(App&)>& after_step = {}) {
   const bool real_time = playback == Playback::kRealTime;
   const bool lockstep = playback == Playback::kLockstep || plan.cores == 1;
-  board::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
-  if (real_time) app.set_clock(board::replay_now);
+  bsp::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
+  if (real_time) app.set_clock(bsp::replay_now);
   if (!real_time) app.pace(lockstep ? lockstep_may_go_on : fast_may_go_on);
   if (real_time && after_step) {
     PIRVS_TRY(app.start(plan, Drive::kTimed));

@@ -82,7 +82,7 @@ int run(const Options& options, const std::string& command) {
         from_seconds(options.camera_latency_ms * 1e-3));
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
-    app.replay_commands(feed.commands());
+    if (!options.real_time) app.replay_inbox(feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");

@@ -1,19 +1,17 @@
-#include "board/bare/sensors.h"
+#include "bsp/replay/sensors.h"
 
 #include "bsp/api/tick.h"
 
-namespace pirvs {
+namespace pirvs::bsp {
 namespace {
 
-bsp::Replay replay;
+Replay replay;
 
 }  // namespace
 
-void board::play(const bsp::RecordingSource& source, bsp::ReplayPace pace) {
-  replay.start(source, pace);
-}
+void play(const RecordingSource& source, ReplayPace pace) { replay.start(source, pace); }
 
-namespace bsp {
+TimeNs replay_now() { return replay.sensor_now(); }
 
 Status imu_poll(ImuSample& out) { return replay.poll(out); }
 
@@ -29,5 +27,4 @@ Status tick_poll(TimeNs& out) { return replay.poll_tick(out); }
 
 Status camera_control(const CameraControl&) { return Status::kNotFound; }
 
-}  // namespace bsp
-}  // namespace pirvs
+}  // namespace pirvs::bsp
