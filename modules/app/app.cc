@@ -92,11 +92,11 @@ Step App::door_step(TimeNs now) {
   if (estimator_.mapping_done()) mapping_done_t_ = door_t_;
   if (command_step()) return Step::kAgain;
   if (ending_) end_when_done();
-  const bool held = may_go_on_ != nullptr && !may_go_on_(*this);
-  if (ending_ || has_command_ || held) return Step::kIdle;
+  const auto held_back = [this] { return held_ = may_go_on_ != nullptr && !may_go_on_(*this); };
+  if (ending_ || has_command_ || held_back()) return Step::kIdle;
   DoorItem item;
   Status status = door_.next(item);
-  while (status == Status::kEmpty && intake_.poll()) status = door_.next(item);
+  while (status == Status::kEmpty && !held_back() && intake_.poll()) status = door_.next(item);
   if (status == Status::kStale) ending_ = true;
   if (status != Status::kOk) return ending_ ? Step::kAgain : Step::kIdle;
   take(item);
@@ -207,7 +207,7 @@ Status App::run(const CorePlan& plan, Drive drive) {
   for (Status status = Status::kOk; status != Status::kStale;) {
     status = poll();
     if (status != Status::kEmpty) continue;
-    if (recorder_has_room()) break;  // no more will come
+    if (!held_) break;  // no more will come
     bsp::wait(0, bsp::now() + kRecorderRest_ns);
   }
   return finish();

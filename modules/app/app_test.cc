@@ -531,5 +531,17 @@ TEST(MapGate, LetsThroughWhatWasSentSoManyFramesBefore) {
   EXPECT_TRUE(gate.ready(0));
 }
 
+TEST(MapGate, FollowsARecordedRunAsFarAsItsKeyframesExist) {
+  MapGate gate;
+  gate.follow({nullptr, [](void*, uint32_t& keyframe) {
+                 keyframe = 57;
+                 return true;
+               }});
+  gate.frame(60);
+  EXPECT_EQ(gate.limit(), 57u);
+  gate.frame(3);
+  EXPECT_EQ(gate.limit(), 3u) << "it began in the midst of a run: nothing would ever be ready";
+}
+
 }  // namespace
 }  // namespace pirvs
