@@ -1,8 +1,8 @@
 #include "bsp/linux/iio.h"
 
-#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
+#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -44,6 +44,24 @@ bool write_text(const char* path, const char* text) {
   const auto size = static_cast<ssize_t>(std::strlen(text));
   const bool good = write(fd, text, static_cast<size_t>(size)) == size;
   return close(fd) == 0 && good;
+}
+
+// The names in an open folder, without the heap that readdir() needs: a device may come back at any
+// time.
+template <class Visit>
+void for_each_file(int folder, Visit&& visit) {
+  constexpr size_t kName = 19;  // of struct linux_dirent64: what stands before is 8, 8, 2 and 1
+  constexpr size_t kSize = 16;
+  alignas(8) char entries[2048];
+  long got = 0;
+  while ((got = syscall(SYS_getdents64, folder, entries, sizeof entries)) > 0) {
+    for (long at = 0; at < got;) {
+      uint16_t size = 0;
+      std::memcpy(&size, entries + at + kSize, sizeof size);
+      visit(entries + at + kName);
+      at += size;
+    }
+  }
 }
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -211,21 +229,21 @@ const char* IioImu::set_clock_and_rate() {
 // Ours on, all others off: they would only take room.
 const char* IioImu::set_elements() {
   char path[kPathMax];
-  if (!path_of("scan_elements", path)) return "the IMU's name is too long";
-  DIR* const folder = opendir(path);
-  if (folder == nullptr) return "the IMU has no scan elements";
+  const int folder = path_of("scan_elements", path) ? open(path, O_RDONLY | O_DIRECTORY) : -1;
+  if (folder < 0) return "the IMU has no scan elements";
   bool good = true;
-  while (const dirent* const entry = readdir(folder)) {
-    const std::string_view name(entry->d_name);
-    if (name.size() < 4 || std::memcmp(name.data() + name.size() - 3, "_en", 3) != 0) continue;
+  const auto set = [&](const char* file_name) {
+    const std::string_view name(file_name);
+    if (name.size() < 4 || std::memcmp(name.data() + name.size() - 3, "_en", 3) != 0) return;
     const std::string_view channel(name.data(), name.size() - 3);
     bool ours = false;
     for (const char* const wanted : kChannelNames) ours |= channel == wanted;
     Text<kTextMax> file;
-    file.put("scan_elements/").put(entry->d_name);
+    file.put("scan_elements/").put(file_name);
     good = set_file(file.c_str(), ours ? "1" : "0") && good;
-  }
-  closedir(folder);
+  };
+  for_each_file(folder, set);
+  ::close(folder);
   return good ? nullptr : "the IMU refuses its scan elements";
 }
 

@@ -11,7 +11,7 @@
 //         Images with V4L2_BUF_FLAG_ERROR, too short ones, and stale ones (stamped before the
 //         stream began) are counted and given back. A camera that is gone while images are lent
 //         keeps their memory until the last one is back.
-// Cost    One system call each image, another to queue its buffer again at the next take(). No copy.
+// Cost    A system call an image, another to queue its buffer again at the next take(). No copy.
 // Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
 #pragma once
 

@@ -51,6 +51,8 @@ class V4l2Stereo {
   void release(FrameId id);
   void close();
 
+  // What becomes readable when poll() may have more of this camera; -1: it need not be waited for.
+  int fd_to_wait_for(int c) const { return heads_[c].here ? -1 : nodes_[c].fd(); }
   const V4l2Node& node(int c) const { return nodes_[c]; }
   const StereoCounters& counters() const { return counters_; }
 

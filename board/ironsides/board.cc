@@ -1,0 +1,17 @@
+// RK3399: CPUs 0 to 3 are Cortex-A53, 4 and 5 Cortex-A72. Door, tracking and the left front-end
+// share an A72, the right front-end has the other; mapping is background beside it: it may take
+// longer than a frame, and waits while the front-end runs. The recorder writes from an A53. Below 50,
+// where the kernel's threads for interrupts run.
+#include "board/linux/board.h"
+
+namespace pirvs::board {
+
+extern const LinuxBoard kBoard;
+const LinuxBoard kBoard = {
+    "ironsides",
+    // cores door left right tracking mapping
+    {3, 0, 0, 1, 0, 2},
+    {{4, 40}, {5, 39}, {5, 0}, {3, 0}, {}, {}},
+};
+
+}  // namespace pirvs::board
