@@ -14,14 +14,14 @@ bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 }  // namespace
 
-std::optional<TimeNs> parse_stamp(std::string_view text) {
+std::optional<TimeNs> parse_stamp(std::string_view text, bool whole_is_ns) {
   const size_t point = text.find('.');
   const std::string_view whole = text.substr(0, point);
   TimeNs value = 0;
   const auto [end, error] = std::from_chars(whole.data(), whole.data() + whole.size(), value);
   if (error != std::errc() || end != whole.data() + whole.size()) return std::nullopt;
   // As everybody's tools do: a short integer is a time in seconds, a long one in nanoseconds.
-  if (point == std::string_view::npos && whole.size() > 15) return value;
+  if (point == std::string_view::npos && (whole_is_ns || whole.size() > 15)) return value;
   constexpr TimeNs kSecond = 1'000'000'000;
   if (value > INT64_MAX / kSecond || value < INT64_MIN / kSecond) return std::nullopt;
   value *= kSecond;
@@ -70,6 +70,7 @@ bool TextTable::next() {
     const std::string_view line(content_.data() + offset_, size);
     offset_ += size + 1;
     ++line_;
+    if (line.find("[ns]") != std::string_view::npos) whole_is_ns_ = true;
     if (line.empty() || line[0] == '#' || !split(line)) continue;
     const bool heading = rows_++ == 0 && !number(0) && !stamp(0);
     if (!heading) return true;
@@ -89,7 +90,7 @@ std::optional<double> TextTable::number(size_t column) const {
 }
 
 std::optional<TimeNs> TextTable::stamp(size_t column) const {
-  return column < fields_.size() ? parse_stamp(fields_[column]) : std::nullopt;
+  return column < fields_.size() ? parse_stamp(fields_[column], whole_is_ns_) : std::nullopt;
 }
 
 void TextTable::fail(const std::string& what, const std::string& what_to_do) const {

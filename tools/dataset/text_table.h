@@ -2,6 +2,8 @@
 // In      A file of rows; fields apart by commas or blanks; '#' starts a comment line.
 // Out     One row at a time: its fields as text, its line number; decoded on request.
 // Units   stamps: integer nanoseconds, or seconds with a decimal point; both become TimeNs exactly.
+//         Short integers are seconds, unless a heading says `[ns]`, as ASL's do: a device's clock
+//         counts from its start.
 // Errors  InputError with file and line. A last line that was cut off is not an error: truncated().
 // Cost    ~0.3 us per field; an EuRoC recording's IMU loads in ~50 ms.
 #pragma once
@@ -43,12 +45,13 @@ class TextTable {
   size_t rows_ = 0;
   bool has_commas_ = false;
   bool cut_off_ = false;
+  bool whole_is_ns_ = false;
   std::vector<std::string_view> fields_;
 
   bool split(std::string_view line);
 };
 
 // Integer nanoseconds ("1403636584763555584") or decimal seconds ("1403636584.763555584").
-std::optional<TimeNs> parse_stamp(std::string_view text);
+std::optional<TimeNs> parse_stamp(std::string_view text, bool whole_is_ns = false);
 
 }  // namespace pirvs::tools

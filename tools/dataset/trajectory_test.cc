@@ -14,6 +14,7 @@ TEST(trajectory, stamps_are_exact) {
   EXPECT_EQ(parse_stamp("1403636584.763555584"), TimeNs{1403636584763555584});
   EXPECT_EQ(parse_stamp("0.026060"), TimeNs{26'060'000});
   EXPECT_EQ(parse_stamp("12"), TimeNs{12'000'000'000});
+  EXPECT_EQ(parse_stamp("12", true), TimeNs{12});
   EXPECT_EQ(parse_stamp("-0.5"), TimeNs{-500'000'000});
   for (const char* bad : {"", "x", "1.2.3", "1e9", "99999999999999999999", "nan"}) {
     EXPECT_FALSE(parse_stamp(bad)) << bad;
