@@ -9,7 +9,8 @@
 //           cam0.focal = 458.654 457.296              fx fy, pixels
 //           cam0.centre = 367.215 248.375             cx cy, pixels
 //           cam0.distortion = -0.283 0.074 0 0        four, as core/camera/camera.h has them
-//           cam0.T_BC = ...                           twelve: the upper three rows
+//           cam0.T_BC = ...                           twelve: the upper three rows; the rotation
+//                                                     is made exact
 //           imu.gyro_noise = 1.7e-4                   imu_noise.h; gyro_walk, accel_noise,
 //           imu.rate_hz = 200                         accel_walk likewise
 // Frames, units  as in calibration.h.

@@ -62,6 +62,19 @@ TEST(CalibrationText, ReadsWhatItWrote) {
   EXPECT_EQ(out.imu.rate_hz, in.imu.rate_hz);
 }
 
+TEST(CalibrationText, ARotationOfFewDigitsIsMadeExact) {
+  Calibration in = euroc_like(), out;
+  Mat3& R = in.camera[0].T_BC.R;
+  R = (R * 1e5).array().round().matrix() * 1e-5;
+  ASSERT_FALSE(read_calibration(written(in), out));
+  const Mat3& exact = out.camera[0].T_BC.R;
+  EXPECT_LT((exact * exact.transpose() - Mat3::Identity()).norm(), 4e-15);
+  EXPECT_LT((exact - R).norm(), 2e-5);
+  R = Mat3::Zero();
+  ASSERT_FALSE(read_calibration(written(in), out));
+  EXPECT_TRUE(find_fault(out)) << "no rotation at all";
+}
+
 TEST(CalibrationText, OneCameraNeedsNoSecond) {
   Calibration in = euroc_like(), out;
   in.cameras = 1;
