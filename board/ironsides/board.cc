@@ -1,7 +1,7 @@
 // RK3399: CPUs 0 to 3 are Cortex-A53, 4 and 5 Cortex-A72. Door, tracking and the left front-end
 // share an A72, the right front-end has the other; mapping is background beside it: it may take
-// longer than a frame, and waits while the front-end runs. The recorder writes from an A53. Below 50,
-// where the kernel's threads for interrupts run.
+// longer than a frame, and waits while the front-end runs. The recorder writes from an A53.
+// Priorities lie below 50, where the kernel's threads for interrupts run.
 #include "board/linux/board.h"
 
 namespace pirvs::board {

@@ -380,7 +380,7 @@ Status IioImu::decode(const uint8_t* bytes, ImuSample& out) {
 }
 
 Status IioImu::poll(ImuSample& out) {
-  if (!is_open() && look_for_imu() != Status::kOk) return Status::kBusFault;
+  if (!is_open() && look_for_imu() != Status::kOk) return gone_.answer();
   if (bytes_here_ - bytes_at_ < sample_bytes_) {
     PIRVS_TRY(refill());
     if (bytes_here_ < sample_bytes_) return Status::kEmpty;

@@ -5,8 +5,8 @@
 // Frames  B: IMU body, after the mount matrix (row by row, as the kernel documents it).
 // Units   rad/s, m/s^2, ns.
 // Errors  kFull: samples were lost before this one, by their stamps; it is good. kBadData: stamps
-//         are of another clock, the sample is dropped. kBusFault: there is no IMU; DeviceNews says
-//         why, once, and every kRetry_ns it is looked for again.
+//         are of another clock, the sample is dropped. kBusFault: there is no IMU, as GoneDevice
+//         has it; DeviceNews says why, once, and every kRetry_ns it is looked for again.
 //         What was set (clock, rate, elements, length, watermark) is as before after close().
 // Cost    One read for up to kSamples samples. No library.
 // Source  kernel, Documentation/ABI/testing/sysfs-bus-iio; iio/iio_devbuf.rst.
@@ -47,7 +47,7 @@ int64_t read_element(const IioElement& element, const uint8_t* sample);
 
 class IioImu {
  public:
-  static constexpr TimeNs kRetry_ns = 500'000'000;
+  static constexpr TimeNs kRetry_ns = 200'000'000;
   static constexpr int kSamples = 32;  // read at once
 
   // The setup's texts must outlive this.
@@ -93,6 +93,7 @@ class IioImu {
 
   IioSetup setup_;
   DeviceTeller teller_;
+  GoneDevice gone_;
   IioCounters counters_;
   int fd_ = -1;
   int number_ = 0;

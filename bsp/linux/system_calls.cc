@@ -20,7 +20,8 @@ int ioctl_again(int fd, unsigned long request, void* argument) {
 }
 
 void* map_shared(size_t size, int fd, int64_t offset) {
-  void* const at = mmap(nullptr, size, PROT_READ | PROT_WRITE, MAP_SHARED, fd, offset);
+  const int kind = fd < 0 ? MAP_PRIVATE | MAP_ANONYMOUS : MAP_SHARED;
+  void* const at = mmap(nullptr, size, PROT_READ | PROT_WRITE, kind, fd, offset);
   return at == MAP_FAILED ? nullptr : at;
 }
 

@@ -14,7 +14,8 @@ struct SystemCalls {
   int (*open)(const char* path);  // to read and write, non-blocking
   int (*close)(int fd);
   int (*ioctl)(int fd, unsigned long request, void* argument);
-  void* (*map)(size_t size, int fd, int64_t offset);  // shared; nullptr: failed
+  // Shared; fd -1: memory of our own. nullptr: failed.
+  void* (*map)(size_t size, int fd, int64_t offset);
   int (*unmap)(void* address, size_t size);
 };
 

@@ -8,6 +8,7 @@
 #include <linux/videodev2.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <string>
@@ -26,13 +27,14 @@ struct Shot {
   uint32_t sequence = 0;
   uint8_t grey = 0;
   uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
-  size_t bytes = kBytes;
+  size_t cut = 0;  // bytes that are missing at its end
 };
 
 struct FakeCamera {
   int open_error = 0;
   bool plugged = true, streaming = false;
   uint32_t format = V4L2_PIX_FMT_GREY, buffers_granted = 32;
+  int bytes_per_pixel = 1;
   int32_t exposure = -1;  // 100 us; -1: no such control
   bool has_frame_sync = false;
   std::vector<std::vector<uint8_t>> memory;
@@ -41,6 +43,18 @@ struct FakeCamera {
   std::deque<v4l2_event> events;
   uint32_t without_buffer = 0;  // shots that no buffer was there for
 
+  size_t size() const { return kBytes * size_t(bytes_per_pixel); }
+  // One grey all over, in any format; colour and lower bits are noise.
+  void fill(std::vector<uint8_t>& to, uint8_t grey) const {
+    for (size_t i = 0; i < to.size(); ++i) to[i] = uint8_t(i * 37);
+    for (size_t i = 0; i < kBytes; ++i) {
+      uint8_t* const pixel = &to[i * size_t(bytes_per_pixel)];
+      if (format == V4L2_PIX_FMT_GREY || format == V4L2_PIX_FMT_YUYV) pixel[0] = grey;
+      if (format == V4L2_PIX_FMT_UYVY || format == V4L2_PIX_FMT_Y16) pixel[1] = grey;
+      if (format == V4L2_PIX_FMT_Y10) pixel[0] = uint8_t(grey << 2 | 3);
+      if (format == V4L2_PIX_FMT_Y10) pixel[1] = grey >> 6;
+    }
+  }
   // As a sensor does: without a buffer the image is lost.
   void shoot(const Shot& shot) {
     if (!streaming || queued.empty()) {
@@ -50,12 +64,12 @@ struct FakeCamera {
     v4l2_buffer buffer{};
     buffer.index = queued.front();
     queued.pop_front();
-    std::memset(memory[buffer.index].data(), shot.grey, kBytes);
+    fill(memory[buffer.index], shot.grey);
     buffer.timestamp.tv_sec = shot.t / 1'000'000'000;
     buffer.timestamp.tv_usec = shot.t % 1'000'000'000 / 1000;
     buffer.sequence = shot.sequence;
     buffer.flags = shot.flags;
-    buffer.bytesused = static_cast<uint32_t>(shot.bytes);
+    buffer.bytesused = static_cast<uint32_t>(size() - shot.cut);
     done.push_back(buffer);
   }
   void frame_sync(TimeNs t, uint32_t sequence) {
@@ -107,13 +121,13 @@ inline int set_format(const FakeCamera& camera, v4l2_pix_format& pix) {
   pix.width = kWidth;
   pix.height = kHeight;
   pix.pixelformat = camera.format;
-  pix.bytesperline = kWidth;
+  pix.bytesperline = uint32_t(kWidth * camera.bytes_per_pixel);
   return 0;
 }
 
 inline int grant(FakeCamera& camera, v4l2_requestbuffers& request) {
   request.count = std::min(request.count, camera.buffers_granted);
-  camera.memory.assign(request.count, std::vector<uint8_t>(kBytes));
+  camera.memory.assign(request.count, std::vector<uint8_t>(camera.size()));
   return 0;
 }
 
@@ -131,7 +145,7 @@ inline int fake_ioctl(int fd, unsigned long request, void* argument) {
       return grant(camera, *static_cast<v4l2_requestbuffers*>(argument));
     case VIDIOC_QUERYBUF: {
       auto& buffer = *static_cast<v4l2_buffer*>(argument);
-      buffer.length = kBytes;
+      buffer.length = uint32_t(camera.size());
       buffer.m.offset = buffer.index;
       return 0;
     }
@@ -155,11 +169,15 @@ inline int fake_ioctl(int fd, unsigned long request, void* argument) {
   }
 }
 
-inline void* fake_map(size_t, int fd, int64_t offset) {
+inline void* fake_map(size_t size, int fd, int64_t offset) {
+  if (fd < 0) return std::malloc(size);
   return kernel.cameras[fd - 100].memory[size_t(offset)].data();
 }
 
-inline int fake_unmap(void*, size_t) { return 0; }
+inline int fake_unmap(void* at, size_t size) {
+  if (size == V4l2Node::kBuffers * kBytes) std::free(at);  // not a camera's
+  return 0;
+}
 
 inline constexpr SystemCalls kFake = {fake_open, fake_close, fake_ioctl, fake_map, fake_unmap};
 

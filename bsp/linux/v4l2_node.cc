@@ -7,9 +7,24 @@
 #include <algorithm>
 
 #include "bsp/api/clock.h"
+#include "core/kernels/grey/grey.h"
 
 namespace pirvs::bsp {
+
+struct PixelFormat {
+  uint32_t code;
+  int bytes;  // of a pixel
+  int first;  // of the bytes that say its grey
+  int shift;  // of grey in words; -1: pairs, the luma is a byte
+};
+
 namespace {
+
+// In the order in which they are asked for.
+constexpr PixelFormat kFormats[] = {
+    {V4L2_PIX_FMT_GREY, 1, 0, 0}, {V4L2_PIX_FMT_YUYV, 2, 0, -1}, {V4L2_PIX_FMT_UYVY, 2, 1, -1},
+    {V4L2_PIX_FMT_Y10, 2, 0, 2},  {V4L2_PIX_FMT_Y12, 2, 0, 4},   {V4L2_PIX_FMT_Y16, 2, 0, 8},
+};
 
 constexpr TimeNs kSecond_ns = 1'000'000'000;
 
@@ -79,20 +94,35 @@ const char* V4l2Node::set_format() {
   const uint32_t can =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
   if ((can & kNeeded) != kNeeded) return "not a camera that streams by V4L2";
-  v4l2_format format{};
-  format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  v4l2_pix_format& pix = format.fmt.pix;
-  pix.width = static_cast<uint32_t>(setup_.width);
-  pix.height = static_cast<uint32_t>(setup_.height);
-  pix.pixelformat = V4L2_PIX_FMT_GREY;
-  pix.field = V4L2_FIELD_NONE;
-  if (calls_->ioctl(fd_, VIDIOC_S_FMT, &format) < 0) return why_not_open();
-  const bool as_asked = pix.width == static_cast<uint32_t>(setup_.width) &&
-                        pix.height == static_cast<uint32_t>(setup_.height) &&
-                        pix.pixelformat == V4L2_PIX_FMT_GREY;
-  if (!as_asked) return "the camera cannot give the calibration's size as 8-bit grey";
-  stride_ = static_cast<int>(std::max(pix.bytesperline, pix.width));
-  return nullptr;
+  for (const PixelFormat& wanted : kFormats) {
+    v4l2_format format{};
+    format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    v4l2_pix_format& pix = format.fmt.pix;
+    pix.width = static_cast<uint32_t>(setup_.width);
+    pix.height = static_cast<uint32_t>(setup_.height);
+    pix.pixelformat = wanted.code;
+    pix.field = V4L2_FIELD_NONE;
+    // A camera answers with what it can do instead, or refuses.
+    if (calls_->ioctl(fd_, VIDIOC_S_FMT, &format) < 0) {
+      if (errno == EINVAL) continue;
+      return why_not_open();
+    }
+    const bool as_asked = pix.width == static_cast<uint32_t>(setup_.width) &&
+                          pix.height == static_cast<uint32_t>(setup_.height) &&
+                          pix.pixelformat == wanted.code;
+    if (!as_asked) continue;
+    format_ = &wanted;
+    stride_ = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
+    return wanted.bytes == 1 ? nullptr : map_grey();
+  }
+  return "the camera cannot give the calibration's size as grey or YUYV";
+}
+
+// Once: a camera that comes back uses it again.
+const char* V4l2Node::map_grey() {
+  if (grey_ != nullptr) return nullptr;
+  grey_ = static_cast<uint8_t*>(calls_->map(grey_bytes(), -1, 0));
+  return grey_ != nullptr ? nullptr : "no memory for grey images";
 }
 
 const char* V4l2Node::map_buffers() {
@@ -135,6 +165,11 @@ const char* V4l2Node::start() {
     return errno == EPIPE ? "the camera's stages do not fit together" : why_not_open();
   }
   return nullptr;
+}
+
+V4l2Node::~V4l2Node() {
+  close();
+  if (grey_ != nullptr) calls_->unmap(grey_, grey_bytes());
 }
 
 void V4l2Node::close() {
@@ -242,6 +277,20 @@ TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
 
 // ---- images ------------------------------------------------------------------------------------
 
+// The image of a buffer, which is made grey if it is not.
+const uint8_t* V4l2Node::grey_of(int buffer) {
+  const uint8_t* const data = buffers_[buffer].data;
+  if (format_->bytes == 1) return data;
+  const RawImage raw = {data + format_->first, stride_, setup_.width, setup_.height};
+  uint8_t* const out = grey_ + grey_bytes() / kBuffers * static_cast<size_t>(buffer);
+  if (format_->shift < 0) {
+    grey_from_pairs(raw, out, setup_.width);
+  } else {
+    grey_from_words(raw, format_->shift, out, setup_.width);
+  }
+  return out;
+}
+
 Status V4l2Node::take(V4l2Image& out) {
   take_back();
   if (!is_open() && look_for_camera() != Status::kOk) return Status::kBusFault;
@@ -276,7 +325,13 @@ Status V4l2Node::take(V4l2Image& out) {
     }
     buffers_[index].lent = true;
     ++counters_.images;
-    out = {buffers_[index].data, stride_, t, arrival, exposure_ns_, buffer.sequence, index};
+    out = {grey_of(index),
+           format_->bytes == 1 ? stride_ : setup_.width,
+           t,
+           arrival,
+           exposure_ns_,
+           buffer.sequence,
+           index};
     return Status::kOk;
   }
 }

@@ -1,4 +1,5 @@
-// One camera by V4L2: its buffers mapped once, its images lent as they lie there.
+// One camera by V4L2: its buffers mapped once, its images lent as they lie there, where they are
+// 8-bit grey. YUYV, UYVY and grey of 10, 12 or 16 bits are made 8-bit grey in memory of our own.
 // In      configure(), then take() and fd() from one core; give_back() from any.
 // Out     take(): the oldest image. t: the middle of its exposure on CLOCK_MONOTONIC, from what is
 //         known best: V4L2_EVENT_FRAME_SYNC of the same sequence (a frame begins to arrive when its
@@ -11,7 +12,8 @@
 //         Images with V4L2_BUF_FLAG_ERROR, too short ones, and stale ones (stamped before the
 //         stream began) are counted and given back. A camera that is gone while images are lent
 //         keeps their memory until the last one is back.
-// Cost    A system call an image, another to queue its buffer again at the next take(). No copy.
+// Cost    A system call an image, another to queue its buffer again at the next take(). No copy of
+//         8-bit grey; of the others that of core/kernels/grey.
 // Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
 #pragma once
 
@@ -40,6 +42,8 @@ struct V4l2Setup {
   TimeNs readout_ns = 0;   // from the end of exposure to the end of the frame
 };
 
+struct PixelFormat;  // one that can be made grey
+
 struct V4l2Image {
   const uint8_t* data = nullptr;
   int stride = 0;
@@ -67,7 +71,7 @@ static_assert(every_counter_is_in(kV4l2CounterRows));
 
 class V4l2Node {
  public:
-  static constexpr TimeNs kRetry_ns = 500'000'000;
+  static constexpr TimeNs kRetry_ns = 200'000'000;
   static constexpr int kBuffers = kFramesLentMax + 2  // heads that wait for their partner
                                   + 4;                // for the driver to fill
   static_assert(kBuffers <= 32, "bits of returned_, and VIDEO_MAX_FRAME");
@@ -75,7 +79,7 @@ class V4l2Node {
   // The setup's texts must outlive this.
   void configure(const V4l2Setup& setup, const DeviceNews& news,
                  const SystemCalls& calls = kSystemCalls);
-  ~V4l2Node() { close(); }
+  ~V4l2Node();
 
   Status take(V4l2Image& out);
   void give_back(int buffer) { returned_.fetch_or(1u << buffer, std::memory_order_release); }
@@ -100,6 +104,11 @@ class V4l2Node {
   Status look_for_camera();
   const char* open_camera();
   const char* set_format();
+  const char* map_grey();
+  size_t grey_bytes() const {
+    return size_t{kBuffers} * static_cast<size_t>(setup_.width * setup_.height);
+  }
+  const uint8_t* grey_of(int buffer);
   const char* map_buffers();
   const char* start();
   bool queue(int buffer);
@@ -119,7 +128,9 @@ class V4l2Node {
   int fd_ = -1, event_fd_ = -1;
   bool frame_sync_ = false;
   bool has_exposure_control_ = false;
-  int stride_ = 0;
+  const PixelFormat* format_ = nullptr;
+  int stride_ = 0;           // of the camera's buffers
+  uint8_t* grey_ = nullptr;  // an image for each buffer, if the camera's are not grey
   TimeNs started_t_ = 0, retry_t_ = 0;
   TimeNs exposure_ns_ = 0;
   bool has_sequence_ = false;

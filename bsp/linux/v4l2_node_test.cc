@@ -50,6 +50,28 @@ TEST_F(V4l2NodeTest, LendsTheCamerasOwnMemory) {
   EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers}) << "queued again";
 }
 
+TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
+  for (const uint32_t format :
+       {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y16}) {
+    kernel = FakeKernel{};
+    camera().format = format;
+    camera().bytes_per_pixel = 2;
+    V4l2Node node;
+    node.configure(setup_of(0), kNews, kFake);
+    V4l2Image images[2];
+    ASSERT_EQ(node.take(images[0]), Status::kEmpty) << kernel.told.back();
+    for (int i = 0; i < 2; ++i) {
+      camera().shoot({now(), uint32_t(i), uint8_t(100 + i)});
+      ASSERT_EQ(node.take(images[i]), Status::kOk);
+    }
+    for (int i = 0; i < 2; ++i) {
+      EXPECT_EQ(images[i].stride, kWidth);
+      for (size_t k = 0; k < kBytes; ++k) ASSERT_EQ(images[i].data[k], 100 + i) << format;
+      node.give_back(images[i].buffer);
+    }
+  }
+}
+
 TEST_F(V4l2NodeTest, EveryKindOfStampBecomesTheMiddleOfTheExposure) {
   V4l2Setup setup = setup_of(0);
   setup.exposure_ns = 4 * kMs;
@@ -88,7 +110,7 @@ TEST_F(V4l2NodeTest, GapsErrorsAndStaleImagesAreCounted) {
   bad.flags |= V4L2_BUF_FLAG_ERROR;
   camera().shoot(bad);
   Shot cut = {t + 100 * kMs, 3};
-  cut.bytes = kBytes - 1;
+  cut.cut = 1;
   camera().shoot(cut);
   camera().shoot({t + 300 * kMs, 7, 22});
   V4l2Image image;
@@ -136,7 +158,7 @@ TEST_F(V4l2NodeTest, SaysOnceWhyThereIsNoCamera) {
       {"another program has the camera, waiting for it",
        [](FakeCamera& c) { c.open_error = EBUSY; }},
       {"no permission to use the camera", [](FakeCamera& c) { c.open_error = EACCES; }},
-      {"the camera cannot give the calibration's size as 8-bit grey",
+      {"the camera cannot give the calibration's size as grey or YUYV",
        [](FakeCamera& c) { c.format = V4L2_PIX_FMT_MJPEG; }},
       {"the camera has no memory", [](FakeCamera& c) { c.buffers_granted = 3; }},
   };

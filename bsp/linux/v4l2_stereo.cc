@@ -167,7 +167,7 @@ Status V4l2Stereo::poll(StereoFrame& out) {
   for (int c = 0; c < setup_.cameras; ++c) any_camera |= fetch(c);
   const Choice choice = choose();
   if (choice != 0) return lend(choice, out);
-  return any_camera ? Status::kEmpty : Status::kBusFault;
+  return any_camera ? Status::kEmpty : gone_.answer();
 }
 
 }  // namespace pirvs::bsp

@@ -7,8 +7,8 @@
 //         than half a period apart, are a pair and the older one is late. An image whose partner
 //         was lost, or does not come for partner_wait_ns, goes out alone.
 //         lost_before: by the trigger count, pulses of which no image came out.
-// Errors  As camera_poll; kBusFault: no camera is there. One that is there alone gives frames with
-//         one image.
+// Errors  As camera_poll; kBusFault: no camera is there, as GoneDevice has it. One that is there
+//         alone gives frames with one image.
 // Cost    No copy; the sum of its nodes.
 // Source  bsp/linux/v4l2_node.h; core/store/lending.h.
 #pragma once
@@ -84,6 +84,7 @@ class V4l2Stereo {
   bool has_last_ = false;
   uint32_t last_count_ = 0;  // of the last frame that went out
   StereoCounters counters_;
+  GoneDevice gone_;
   Lending<StereoFrame, kFramesLentMax> lending_;
   int lent_[kFramesLentMax][kCamerasMax];  // buffers; -1: none
 };

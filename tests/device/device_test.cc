@@ -57,7 +57,8 @@ std::string build_folder() {
   return folder ? folder : "build";
 }
 
-void write_guest_files(const tools::Recording& recording, const std::string& folder) {
+void write_guest_files(const tools::Recording& recording, const std::string& folder,
+                       const std::string& feed) {
   Text<kCalibrationTextMax> calibration;
   write_calibration(recording.calibration, calibration);
   std::ofstream(folder + "/calibration.cfg") << calibration.c_str();
@@ -67,18 +68,19 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
                                            "imu = iio:mpu6500\n"
                                            "output.text = frames\n"
                                            "output.poses = 127.0.0.1:14550\n"
-                                           "record = /run/out/record\n";
+                                        << (feed.empty() ? "record = /run/out/record\n" : "");
   const Camera& camera = recording.calibration.camera[0];
   std::ofstream(folder + "/guest")
-      << "width=" << camera.width << "\nheight=" << camera.height << "\n";
+      << "width=" << camera.width << "\nheight=" << camera.height << "\nfeed=" << feed << "\n";
 }
 
-DeviceRun run_device(const tools::Recording& recording) {
+// feed: empty, or "faults" (guest/feeder.cc); then nothing is recorded.
+DeviceRun run_device(const tools::Recording& recording, const std::string& feed) {
   const std::string build = build_folder(), in = scratch_folder("device_in");
-  write_guest_files(recording, in);
+  write_guest_files(recording, in, feed);
   tools::write_pack(recording, in + "/recording.pack", [](size_t, size_t) {});
   DeviceRun run;
-  run.folder = build + "/test/device";
+  run.folder = build + "/test/device" + (feed.empty() ? "" : "_" + feed);
   std::string command = "tools/device/run --kernel " + build + "/device --recording " + in +
                         "/recording.pack --out " + run.folder + " --timeout 500";
   for (const char* module :
@@ -128,7 +130,7 @@ class device : public testing::Test {
   }
   // Shared: minutes.
   static const DeviceRun& run() {
-    static const DeviceRun once = run_device(fed());
+    static const DeviceRun once = run_device(fed(), "");
     return once;
   }
   static const tools::Recording& sensed() {
@@ -240,9 +242,12 @@ Difference difference(const Replay& ours, const Replay& theirs, TimeNs shift) {
 }
 
 // The same arrivals and the same results of mapping at the same frames, but the times that were fed
-// instead of those that V4L2 and the interrupt made of them.
+// instead of those that V4L2 and the interrupt made of them. A simulated flight has a sample at
+// each frame's time, to the nanosecond; a device must interpolate one there, and a gate may then
+// decide otherwise.
 TEST_F(device, stamps_cost_less_than_a_millimetre) {
   ASSERT_EQ(run().status, 0);
+  const double near_m = clip() != nullptr ? 1e-3 : 5e-3;
   tools::Recording exact = sensed();
   for (size_t i = 0; i < exact.imu.size(); ++i) exact.imu[i].t = fed().imu[i].t + run().shift;
   for (size_t i = 0; i < exact.frames.size(); ++i) {
@@ -251,7 +256,7 @@ TEST_F(device, stamps_cost_less_than_a_millimetre) {
   const Difference off = difference(replay(sensed()), replay(exact), 0);
   std::printf("%zu poses, off by %.6f m rms, %.6f m at most\n", off.poses, off.rms_m, off.max_m);
   EXPECT_GT(off.poses, 90u);
-  EXPECT_LT(off.max_m, 1e-3);
+  EXPECT_LT(off.max_m, near_m);
 }
 
 // Against the replay of what was fed, without the first frame: live, the IMU does not wait for
@@ -267,6 +272,49 @@ TEST_F(device, tracks_as_a_replay_does) {
   std::printf("%zu poses, off by %.5f m rms, %.5f m at most\n", off.poses, off.rms_m, off.max_m);
   EXPECT_EQ(off.poses, theirs.result.trajectory.poses.size());
   EXPECT_LT(off.rms_m, kNear_m);
+}
+
+// What guest/feeder.cc lists: a stale image of one camera at the start, half pairs, a pair lost,
+// both cameras pulled and plugged in, the IMU likewise.
+TEST_F(device, survives_what_goes_wrong_and_counts_it) {
+  const DeviceRun got = run_device(fed(), "faults");
+  ASSERT_EQ(got.status, 0) << got.console;
+  std::printf("%s%s", got.fed.c_str(), got.news.c_str());
+  EXPECT_TRUE(got.says("pirvsd ended with 0")) << got.console;
+  const std::map<std::string, uint64_t> kCounted = {
+      {"camera.left.stale", 0},
+      {"camera.right.stale", 1},
+      {"camera.left.damaged", 1},
+      {"camera.right.damaged", 0},
+      {"cameras.halves", 2},
+      {"camera.left.unplugged", 1},
+      {"camera.right.unplugged", 1},
+      {"camera.left.opened", 2},
+      {"camera.right.opened", 2},
+      {"cameras.counts_found", 2},
+      {"cameras.counts_wrong", 0},
+      {"imu.unplugged", 1},
+      {"imu.opened", 2},
+      {"camera_back", 1},
+      {"output.dropped", 0},
+  };
+  for (const auto& [name, value] : kCounted) EXPECT_EQ(got.counter(name), value) << name;
+  // Those of the pulses that were left out, and what the cameras had no buffer for while the door
+  // held a frame for the IMU that was away.
+  EXPECT_GE(got.counter("camera.left.lost"), 1u);
+  EXPECT_LE(got.counter("camera.left.lost"), 10u);
+  EXPECT_EQ(got.counter("camera.right.lost"), got.counter("camera.left.lost") + 1);
+  // Both were away for 16 frames and up to kRetry_ns more, the IMU for 6 and as long.
+  const size_t frames = fed().frames.size();
+  EXPECT_GE(got.counter("cameras.pairs"), frames - 30);
+  EXPECT_LE(got.counter("cameras.pairs"), frames - 19);
+  EXPECT_GE(got.counter("imu.samples"), fed().imu.size() - 200);
+  for (const char* told : {"/dev/video0: camera unplugged, waiting for it",
+                           "/dev/video1: camera unplugged, waiting for it",
+                           "iio:mpu6500: IMU unplugged, waiting for it"}) {
+    EXPECT_TRUE(got.says(told)) << told;
+  }
+  EXPECT_GT(got.counter("output.lines"), frames / 3) << "it goes on";
 }
 
 }  // namespace

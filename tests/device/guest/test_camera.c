@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0
 // Cameras for tests: each is a plain V4L2 capture device (GREY, MMAP), and shows what is written to
 // /dev/test_cameraN: a struct shot and the pixels. As a sensor does, a camera without a free buffer
-// loses the image, and its sequence goes on.
+// loses the image, and its sequence goes on. A struct shot alone pulls the camera or plugs it in.
 #include <linux/miscdevice.h>
 #include <linux/module.h>
 #include <linux/uaccess.h>
@@ -20,8 +20,9 @@ module_param(height, int, 0444);
 struct shot {
 	u64 stamp_ns; // start of exposure, CLOCK_MONOTONIC
 	u32 skip;     // images that the sensor lost before this one
-	u32 error;    // marks the buffer with V4L2_BUF_FLAG_ERROR
+	u32 what;
 };
+enum { SHOT_GOOD, SHOT_BAD /* V4L2_BUF_FLAG_ERROR */, CAMERA_PULL, CAMERA_PLUG };
 
 struct buffer {
 	struct vb2_v4l2_buffer vb;
@@ -30,7 +31,7 @@ struct buffer {
 
 struct camera {
 	struct v4l2_device v4l2;
-	struct video_device node;
+	struct video_device *node; // NULL: pulled; a new one each time it is plugged in
 	struct vb2_queue queue;
 	struct mutex lock, shooting;
 	spinlock_t list_lock;
@@ -120,6 +121,19 @@ static const struct vb2_ops queue_ops = {
 
 // ---- what a test writes -------------------------------------------------------------------------
 
+static int plug(struct camera *c);
+
+static int plug_or_pull(struct camera *c, u32 what)
+{
+	if (what == CAMERA_PLUG && !c->node)
+		return plug(c);
+	if (what != CAMERA_PULL || !c->node)
+		return -EINVAL;
+	vb2_video_unregister_device(c->node);
+	c->node = NULL;
+	return 0;
+}
+
 static ssize_t feed_write(struct file *f, const char __user *from, size_t size, loff_t *at)
 {
 	struct camera *c = container_of(f->private_data, struct camera, feed);
@@ -127,14 +141,19 @@ static ssize_t feed_write(struct file *f, const char __user *from, size_t size, 
 	struct buffer *b;
 	ssize_t result = size;
 
-	if (size != sizeof(shot) + width * height || copy_from_user(&shot, from, sizeof(shot)))
+	if (size < sizeof(shot) || copy_from_user(&shot, from, sizeof(shot)))
+		return -EINVAL;
+	if (size == sizeof(shot))
+		return plug_or_pull(c, shot.what) ?: size;
+	if (size != sizeof(shot) + width * height)
 		return -EINVAL;
 	mutex_lock(&c->shooting);
 	b = take_free(c);
 	c->sequence += shot.skip;
 	if (b) {
 		void *pixels = vb2_plane_vaddr(&b->vb.vb2_buf, 0);
-		bool bad = copy_from_user(pixels, from + sizeof(shot), width * height) || shot.error;
+		bool bad = copy_from_user(pixels, from + sizeof(shot), width * height) ||
+			   shot.what == SHOT_BAD;
 
 		b->vb.vb2_buf.timestamp = shot.stamp_ns;
 		b->vb.sequence = c->sequence++;
@@ -239,6 +258,25 @@ static const struct v4l2_file_operations node_ops = {
 
 // ---- coming and going ---------------------------------------------------------------------------
 
+static int plug(struct camera *c)
+{
+	struct video_device *node = video_device_alloc();
+
+	if (!node)
+		return -ENOMEM;
+	strscpy(node->name, c->name, sizeof(node->name));
+	node->fops = &node_ops;
+	node->ioctl_ops = &ioctls;
+	node->v4l2_dev = &c->v4l2;
+	node->queue = &c->queue;
+	node->lock = &c->lock;
+	node->release = video_device_release; // when the last program has closed it
+	node->device_caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+	video_set_drvdata(node, c);
+	c->node = node;
+	return video_register_device(node, VFL_TYPE_VIDEO, -1);
+}
+
 static int add_camera(int i)
 {
 	struct camera *c = all[i] = kzalloc(sizeof(*c), GFP_KERNEL);
@@ -268,16 +306,7 @@ static int add_camera(int i)
 	result = vb2_queue_init(&c->queue);
 	if (result)
 		return result;
-	strscpy(c->node.name, c->name, sizeof(c->node.name));
-	c->node.fops = &node_ops;
-	c->node.ioctl_ops = &ioctls;
-	c->node.v4l2_dev = &c->v4l2;
-	c->node.queue = &c->queue;
-	c->node.lock = &c->lock;
-	c->node.release = video_device_release_empty;
-	c->node.device_caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
-	video_set_drvdata(&c->node, c);
-	result = video_register_device(&c->node, VFL_TYPE_VIDEO, -1);
+	result = plug(c);
 	if (result)
 		return result;
 	c->feed = (struct miscdevice){
@@ -305,7 +334,8 @@ static void __exit test_camera_exit(void)
 
 	for (i = 0; i < cameras && all[i]; i++) {
 		misc_deregister(&all[i]->feed);
-		video_unregister_device(&all[i]->node);
+		if (all[i]->node)
+			video_unregister_device(all[i]->node);
 		v4l2_device_unregister(&all[i]->v4l2);
 		kfree(all[i]);
 	}
