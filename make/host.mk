@@ -42,8 +42,8 @@ TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
-FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/base/number.cc modules/app/app_params.cc \
-  modules/calibration/calibration_check.cc \
+FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
+  core/base/text%.cc modules/app/app_params.cc modules/calibration/% board/linux/settings.cc \
   modules/door/% bsp/replay/% \
   bsp/drivers/device_tree/% board/host/% bsp/linux/assert.cc bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
