@@ -238,8 +238,8 @@ void device_tree(const uint8_t* data, size_t size) {
   }
 }
 
-// The same bytes as a device's calibration and as its configuration: a fault names a line that there
-// is, and what was set is text with an end.
+// The same bytes as a device's calibration and as its configuration: a fault names a line of the
+// text, and what was set is text with an end.
 void device_text(const uint8_t* data, size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
