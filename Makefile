@@ -1,7 +1,8 @@
 # PIRVS: every command of the project. `make` alone lists them.
 #
 # Here is what all boards share. board/<name>/board.mk includes what its kind of board adds:
-# make/host.mk, a PC with every tool and test; make/bare.mk, no operating system.
+# make/host.mk, a PC with every tool and test; make/linux.mk, a device under Linux; make/bare.mk, no
+# operating system.
 # A source belongs to a set by its place and name alone; nothing is listed by hand.
 SHELL := /bin/bash
 .SHELLFLAGS := -eu -o pipefail -c
@@ -20,7 +21,10 @@ BOARDS := $(patsubst board/%/board.mk,%,$(wildcard board/*/board.mk))
 ifeq ($(filter $(BOARD),$(BOARDS)),)
   $(error no board/$(BOARD)/board.mk; boards: $(BOARDS))
 endif
-BARE_BOARDS := $(filter-out host,$(BOARDS))
+# boards_of(kind): those whose board.mk includes make/<kind>.mk.
+boards_of = $(patsubst board/%/board.mk,%,$(sort $(shell grep -l 'make/$(1).mk' board/*/board.mk)))
+BARE_BOARDS := $(call boards_of,bare)
+LINUX_BOARDS := $(call boards_of,linux)
 
 # ---- sources -----------------------------------------------------------------------------------
 # find_cc(folders): every *.cc below those of the folders that exist.
@@ -41,8 +45,8 @@ BELOW_TOOLS := -fno-exceptions -fno-rtti
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run size prof test test-unit test-system test-emulator fuzz bench consistency \
-  check format setup clean FORCE
+.PHONY: help all run size prof test test-unit test-system test-emulator test-device fuzz bench \
+  consistency check format setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
@@ -50,6 +54,8 @@ help: ## this list
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
 	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz),"
 	@echo "  ARCH=native (all: for this machine's processor alone)"
+	@echo "A device under Linux, BOARD=$(LINUX_BOARDS):"
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' make/linux.mk | expand -t 28
 	@echo "Without an operating system, BOARD=$(BARE_BOARDS):"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' make/bare.mk | expand -t 28
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=rk3399-bare \1\t\2/p' \

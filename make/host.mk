@@ -1,11 +1,14 @@
 # A PC: the program, its tools and all tests. Included by board/<name>/board.mk.
 #
-#   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD)
+#   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD); of
+#             board/linux what is neither main nor wiring, for its tests
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
 #   fuzzers   *.cc below tests/fuzz: the parsers' targets; *_test.cc there replays the corpus
 #   emulated  *.cc below tests/emulator: images without an operating system, run in QEMU
+#   device    *.cc below tests/device: pirvsd under Debian's arm64 kernel in QEMU; guest/ holds what
+#             runs there beside it
 #   benches   *_bench.cc: Google Benchmark
 # Unit tests have the address and UB sanitizers, system tests none. SAN=address or SAN=thread gives
 # both kinds that one.
@@ -19,12 +22,14 @@ endif
 
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD))
+  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc,$(call find_cc,board/linux))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
 EMULATOR_SRC := $(call find_cc,tests/emulator)
-ALL_SYSTEMS := $(filter-out $(ALL_FUZZ) $(EMULATOR_SRC),$(call find_cc,tests))
-EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ) $(EMULATOR_SRC)
+DEVICE_SRC := $(filter-out tests/device/guest/%,$(call find_cc,tests/device))
+ALL_SYSTEMS := $(filter-out $(ALL_FUZZ) $(EMULATOR_SRC) tests/device/%,$(call find_cc,tests))
+EVERYTHING := $(ALL_BELOW_TOOLS) $(ALL_TOOLS) $(ALL_SYSTEMS) $(ALL_FUZZ) $(EMULATOR_SRC) \
+  $(DEVICE_SRC)
 
 BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
 TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS)) \
@@ -37,9 +42,9 @@ TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
-FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/base/number.cc core/base/text% \
-  modules/app/app_params.cc modules/app/intake.cc modules/calibration/calibration_check.cc \
-  modules/door/% modules/recorder/order_row.cc bsp/replay/% \
+FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
+  core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
+  board/linux/settings.cc modules/door/% modules/recorder/order_row.cc bsp/replay/% \
   bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
 FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
@@ -124,6 +129,17 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
 	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
 
+# Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
+DEVICE := $(BUILD)/device
+test-device: $(OUT)/device_tests $(DEVICE)/release ## pirvsd under an arm64 kernel alone
+	@$(MAKE) -s BOARD=ironsides all $(DEVICE)/feeder
+	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
+	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
+	PIRVS_BUILD=$(BUILD) $(OUT)/device_tests \
+	  --gtest_output=json:$(BUILD)/test/device.json $(GTEST_FILTER_ARG)
+$(DEVICE)/release: tools/device/fetch_kernel | $(BUILD)/setup.stamp
+	@tools/device/fetch_kernel $(DEVICE)
+
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
 
@@ -134,9 +150,9 @@ consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 s
 	  --flights $(FLIGHTS) $(ARGS)
 
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
-	@for board in $(BARE_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
+	@for board in $(BARE_BOARDS) $(LINUX_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
 	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \
-	  $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
+	  $(LINUX_BOARDS:%=--objects $(BUILD)/%/obj) $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
 
 # ---- build -------------------------------------------------------------------------------------
 # objects(tree, sources)
@@ -153,12 +169,13 @@ FUZZ_LIB_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_LIB_SRC))
 FUZZ_TOOL_OBJ := $(call objects,$(OUT_FUZZ),$(FUZZ_TOOL_SRC))
 BENCH_OBJ := $(call objects,$(OUT),$(BENCH_SRC))
 EMULATOR_OBJ := $(call objects,$(OUT),$(EMULATOR_SRC))
+DEVICE_OBJ := $(call objects,$(OUT),$(DEVICE_SRC))
 # What replays and recordings need in both test programs.
 SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(ALL_SYSTEMS)))
 
 $(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
 $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
-  $(EMULATOR_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
+  $(EMULATOR_OBJ) $(DEVICE_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
 $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
 
 # What makes an object anew besides its sources: other flags.
@@ -218,10 +235,13 @@ $(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
 	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,$(LIBS_TOOLS))
 $(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_TEST))
+$(OUT)/device_tests: $(DEVICE_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
+	$(call link,$(RELEASE),$(LIBS_TEST))
 $(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_BENCH))
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
 -include $(patsubst %.o,%.d,$(LIB_OBJ) $(LIB_OBJ_SAN) $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) \
-  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(EMULATOR_OBJ))
+  $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(EMULATOR_OBJ) \
+  $(DEVICE_OBJ))
 endif

@@ -30,8 +30,8 @@
 #include "bsp/replay/pack.h"
 #include "bsp/replay/sensors.h"
 #include "core/base/text.h"
-#include "core/math/so3.h"
 #include "modules/app/replay_pace.h"
+#include "modules/output/pose_text.h"
 
 namespace pirvs::board {
 namespace {
@@ -66,22 +66,11 @@ void say(TextWriter& line) {
   line.clear();
 }
 
-void put_tum(TextWriter& out, const FrameReport& report) {
-  constexpr TimeNs kSecond = 1'000'000'000;
-  constexpr int kDecimals = 9;
-  const SE3& T_WB = report.pose.state.T_WB;
-  const Vec4 q_WB = quat_xyzw(T_WB.R);
-  out.number(report.t / kSecond).put('.');
-  out.unsigned_number(static_cast<uint64_t>(report.t % kSecond), kDecimals);
-  for (int i = 0; i < 3; ++i) out.put(' ').fixed(T_WB.p(i), kDecimals);
-  for (int i = 0; i < 4; ++i) out.put(' ').fixed(q_WB(i), kDecimals);
-  out.put('\n');
-}
-
 void on_frame(void*, const FrameReport& report) {
   Text<256> line;
   if (report.has_pose) {
-    put_tum(line, report);
+    put_tum(line, report.t, report.pose.state.T_WB);
+    line.put('\n');
     bsp::console_write("pose ");
     bsp::console_write(line.c_str());
     run.write(run.trajectory, line);

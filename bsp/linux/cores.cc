@@ -1,7 +1,13 @@
-#include "bsp/api/cores.h"
+#include "bsp/linux/cores.h"
 
 #include <pthread.h>
+#include <sched.h>
 #include <time.h>
+
+#include <atomic>
+
+#include "bsp/api/cores.h"
+#include "core/base/assert.h"
 
 namespace pirvs::bsp {
 namespace {
@@ -10,17 +16,58 @@ struct Core {
   pthread_t thread;
   void (*entry)(void*) = nullptr;  // nullptr: not started
   void* argument = nullptr;
+  CoreSetup setup;
+  bool has_setup = false;
 };
 
 Core cores[kCoresMax];
+std::atomic<const char*> refusal{nullptr};
+
+void refuse(const char* what) {
+  const char* none = nullptr;
+  refusal.compare_exchange_strong(none, what);
+}
+
+cpu_set_t any_cpu;  // of the process, before core 0 was put somewhere
+bool any_cpu_known = false;
+
+// Of the calling thread, which has inherited both from the one that made it.
+void apply(const CoreSetup& setup) {
+  const sched_param param{setup.priority};
+  const int policy = setup.priority > 0 ? SCHED_FIFO : SCHED_OTHER;
+  if (pthread_setschedparam(pthread_self(), policy, &param) != 0) {
+    refuse("no real-time priority: it needs CAP_SYS_NICE or RLIMIT_RTPRIO");
+  }
+  cpu_set_t cpus = any_cpu;
+  if (setup.cpu >= 0) {
+    CPU_ZERO(&cpus);
+    CPU_SET(static_cast<size_t>(setup.cpu), &cpus);
+  }
+  if (pthread_setaffinity_np(pthread_self(), sizeof cpus, &cpus) != 0) {
+    refuse("not on the CPUs that the board's plan names: this machine lacks one");
+  }
+}
 
 void* run(void* core_pointer) {
   const Core& core = *static_cast<Core*>(core_pointer);
+  if (core.has_setup) apply(core.setup);
   core.entry(core.argument);
   return nullptr;
 }
 
 }  // namespace
+
+void set_core(int index, const CoreSetup& setup) {
+  PIRVS_ASSERT(index >= 0 && index < kCoresMax);
+  if (!any_cpu_known) {
+    any_cpu_known = pthread_getaffinity_np(pthread_self(), sizeof any_cpu, &any_cpu) == 0;
+  }
+  cores[index].setup = setup;
+  cores[index].has_setup = true;
+  if (index == 0) apply(setup);
+}
+
+const char* core_refusals() { return refusal; }
 
 Status start_core(int index, void (*entry)(void*), void* argument) {
   if (index < 1 || index >= kCoresMax) return Status::kNotFound;

@@ -3,6 +3,7 @@
 #include <sys/mman.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <iterator>
@@ -11,12 +12,14 @@
 #include <string>
 #include <vector>
 
+#include "board/linux/settings.h"
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
 #include "bsp/replay/sensors.h"
 #include "core/base/assert.h"
 #include "modules/app/intake.h"
 #include "modules/calibration/calibration_check.h"
+#include "modules/calibration/calibration_text.h"
 #include "modules/door/door.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
@@ -248,6 +251,29 @@ void device_tree(const uint8_t* data, size_t size) {
   }
 }
 
+// The same bytes as a device's calibration and as its configuration: a fault names a line of the
+// text, and what was set is text with an end.
+void device_text(const uint8_t* data, size_t size) {
+  const std::string_view text(reinterpret_cast<const char*>(data), size);
+  const auto lines = std::count(text.begin(), text.end(), '\n') + 1;
+  const auto check = [lines](const ConfigFault& fault) {
+    PIRVS_ASSERT(fault.line >= 0 && fault.line <= lines);
+    Text<512> line;
+    if (fault) put_fault(line, "device.cfg", fault);
+  };
+  Calibration calibration;
+  const ConfigFault fault = read_calibration(text, calibration);
+  check(fault);
+  if (!fault) (void)find_fault(calibration);
+  static board::Settings settings;
+  settings = board::Settings{};
+  check(board::read_settings(text, settings));
+  check(board::find_missing(settings));
+  for (const auto& set : {settings.calibration, settings.camera[0], settings.imu}) {
+    PIRVS_ASSERT(std::memchr(set.text, 0, sizeof set.text) != nullptr);
+  }
+}
+
 }  // namespace
 
 const Target kTargets[] = {
@@ -261,6 +287,7 @@ const Target kTargets[] = {
     {"fault", fault},
     {"pack", pack},
     {"device_tree", device_tree},
+    {"device_text", device_text},
 };
 const size_t kTargetCount = std::size(kTargets);
 

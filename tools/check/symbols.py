@@ -48,13 +48,15 @@ def findings_of(objects, name_of, forbidden=None):
 
 
 def check(tree, options):
-    root = Path(options.objects)
     sources = [p for p in tree if p.endswith(".cc")
                and p.startswith(("core/", "modules/", "bsp/", "board/"))
                and not re.search(r"_(test|bench)\.cc$", p)]
-    objects = [root / p.replace(".cc", ".o") for p in sources]
-    findings = findings_of([o for o in objects if o.exists()],
-                           lambda o: str(Path(o).relative_to(root).with_suffix(".cc")))
+    findings = []
+    for root in map(Path, options.objects):
+        objects = [root / p.replace(".cc", ".o") for p in sources]
+        found = findings_of([o for o in objects if o.exists()],
+                            lambda o, root=root: str(Path(o).relative_to(root).with_suffix(".cc")))
+        findings += [finding for finding in found if finding not in findings]
     return findings + findings_of(options.image, str, {**FORBIDDEN, **FORBIDDEN_IN_IMAGE})
 
 

@@ -11,8 +11,8 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kRunCommand, &kEvalCommand, &kSimCommand, &kPackCommand,
-                                    &kParamsCommand};
+const Command* const kCommands[] = {&kRunCommand,  &kEvalCommand,        &kSimCommand,
+                                    &kPackCommand, &kCalibrationCommand, &kParamsCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

@@ -5,9 +5,12 @@
 #include <Eigen/LU>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <vector>
 
 #include "core/math/so3.h"
+#include "modules/calibration/calibration_text.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -169,6 +172,24 @@ Calibration read_asl_calibration(const std::string& mav0) {
     out.camera[c] = read_asl_camera(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml", offset);
     out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
     if (c == 0) out.camera_time_offset_ns = offset;
+  }
+  return out;
+}
+
+Calibration read_calibration_file(const std::string& path, const ImuNoise& noise) {
+  if (std::filesystem::path(path).extension() != ".cfg") {
+    return read_kalibr_calibration(path, noise);
+  }
+  std::stringstream text;
+  if (!(text << std::ifstream(path).rdbuf())) {
+    throw InputError("no calibration file", path, "add it, or give one with --calib");
+  }
+  const std::string all = text.str();  // a fault names a part of it
+  Calibration out;
+  if (const ConfigFault fault = read_calibration(all, out)) {
+    Text<512> line;
+    put_fault(line, path.c_str(), fault);
+    throw InputError("not a calibration", line.c_str(), "repair the calibration");
   }
   return out;
 }

@@ -1,4 +1,5 @@
-// What    Reads a calibration: the sensor.yaml files of an ASL folder, or Kalibr's camchain.
+// What    Reads a calibration: the sensor.yaml files of an ASL folder, Kalibr's camchain, or a
+//         device's own file (modules/calibration/calibration_text.h).
 // In      ASL: pinhole + radial-tangential | equidistant, T_BS 4 x 4, perhaps
 //         timeshift_cam_imu.
 //         Kalibr camchain-imucam.yaml: pinhole + radtan | equidistant, T_cam_imu or T_cn_cnm1,
@@ -21,6 +22,9 @@ Calibration read_asl_calibration(const std::string& mav0);
 
 // noise: used for the IMU if no imu.yaml stands beside the camchain.
 Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise);
+
+// By the name of the file: a device's *.cfg, or Kalibr's camchain and the noise as above.
+Calibration read_calibration_file(const std::string& path, const ImuNoise& noise);
 
 // One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
 Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset_ns);

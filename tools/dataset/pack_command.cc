@@ -19,7 +19,8 @@ std::function<int()> declare(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
   app.add_option("--out", o->out, "the file to write")->required();
-  app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
+  app.add_option("--calib", o->recording.calibration,
+                 "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);
   app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")

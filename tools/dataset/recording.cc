@@ -198,7 +198,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
   } else {
     const std::string own = mav0 + "/imu0/sensor.yaml";
     const ImuNoise noise = fs::exists(own) ? read_imu_noise(own) : ImuNoise{};
-    recording.calibration = read_kalibr_calibration(options.calibration, noise);
+    recording.calibration = read_calibration_file(options.calibration, noise);
   }
   if (options.mono || !fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
   if (const CalibrationFault fault = find_fault(recording.calibration)) {

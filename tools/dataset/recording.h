@@ -38,7 +38,7 @@ struct Count {
 };
 
 struct RecordingOptions {
-  std::string calibration;  // Kalibr camchain; empty: the folder's own sensor.yaml files
+  std::string calibration;  // for read_calibration_file; empty: the folder's own sensor.yaml files
   double start_s = 0;       // skip this much, from the first frame
   double duration_s = 0;    // 0: to the end
   bool mono = false;        // the left camera alone, whatever was recorded

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "modules/calibration/calibration_text.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/player.h"
 #include "tools/dataset/test_recording.h"
@@ -153,6 +154,19 @@ TEST(recording, nan_and_time_running_back_are_counted) {
   }
 }
 
+// Of a clock that counts from the start of its machine: few digits, and nanoseconds all the same.
+TEST(recording, a_heading_says_that_short_stamps_are_nanoseconds) {
+  const TestRecording disk;
+  const std::string rows = "9225512043,0,0,0,0,0,9.81\n9230512219,0,0,0,0,0,9.81\n";
+  std::vector<Count> rejected;
+  disk.write("imu0/data.csv", "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n" + rows);
+  const auto samples = read_imu_samples(disk.path("imu0/data.csv"), rejected);
+  ASSERT_EQ(samples.size(), 2u);
+  EXPECT_EQ(samples[0].t, 9'225'512'043);
+  disk.write("imu0/data.csv", "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n922,0,0,0,0,0,9.81\n");
+  EXPECT_EQ(read_imu_samples(disk.path("imu0/data.csv"), rejected).at(0).t, 922'000'000'000);
+}
+
 TEST(recording, unequal_cameras_play_as_single_images) {
   const TestRecording disk;
   disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000110000000,");
@@ -207,6 +221,27 @@ TEST(recording, reads_a_kalibr_camchain) {
   EXPECT_LT((calibration.camera[0].T_BC * Vec3(1, 2, 3)).norm(), 1e-12);  // the IMU's origin in C0
   const Vec3 p_C0C1 = calibration.camera[0].T_BC.inverse() * calibration.camera[1].T_BC.p;
   EXPECT_LT((p_C0C1 - Vec3(0.1, 0, 0)).norm(), 1e-12);
+}
+
+TEST(recording, reads_a_devices_own_calibration) {
+  const TestRecording disk;
+  const Calibration asl = open_recording(disk.folder(), {}).calibration;
+  Text<kCalibrationTextMax> text;
+  write_calibration(asl, text);
+  disk.write("device.cfg", text.c_str());
+  RecordingOptions options;
+  options.calibration = disk.path("device.cfg");
+  const Calibration device = open_recording(disk.folder(), options).calibration;
+  EXPECT_EQ(device.camera[1].T_BC.p, asl.camera[1].T_BC.p);
+  EXPECT_EQ(device.camera[0].fx, asl.camera[0].fx);
+  EXPECT_EQ(device.imu.accel_walk, asl.imu.accel_walk);
+  disk.write("device.cfg", std::string(text.c_str()) + "cam0.lens = 3\n");
+  try {
+    open_recording(disk.folder(), options);
+    FAIL() << "a key that there is not";
+  } catch (const InputError& error) {
+    PIRVS_EXPECT_SAYS(std::string(error.what()), "device.cfg:20: no such key in a calibration");
+  }
 }
 
 TEST(player, plays_the_pixels_in_order) {

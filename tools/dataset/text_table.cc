@@ -55,6 +55,10 @@ StampUnit unit_by_spacing(std::vector<int64_t>& stamps) {
 }
 
 StampUnit unit_of_stamps(std::string_view content) {
+  // As the heading of an ASL table says.
+  if (content.substr(0, content.find('\n')).find("[ns]") != std::string_view::npos) {
+    return StampUnit::kNanoseconds;
+  }
   bool any_long = false, any_point = false;
   std::vector<int64_t> stamps;
   for_each_stamp(content, [&](std::string_view field) {

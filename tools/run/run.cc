@@ -114,7 +114,8 @@ std::function<int()> declare_run(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder or a packed file")->required();
   app.add_option("--out", o->out, "folder for the results")->required();
-  app.add_option("--calib", o->recording.calibration, "Kalibr camchain-imucam.yaml to use instead");
+  app.add_option("--calib", o->recording.calibration,
+                 "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
   app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);

@@ -1,0 +1,68 @@
+// The device's configuration file, plain `key = value` (core/config/key_values.h).
+// In      Its text.
+// Out     What is set, defaults else. Keys:
+//           calibration = calibration.cfg        needed; `pirvs calibration` writes it
+//           camera.left = /dev/video0            needed
+//           camera.right = /dev/video2           needed with a calibration of two cameras
+//           camera.pairing = trigger             or stamp: free-running cameras
+//           camera.pair_ms = 1                   how far the stamps of one trigger may differ
+//           camera.period_ms = 50                nominal, for pairing by stamp
+//           camera.clock = monotonic             or boottime: of the driver's stamps
+//           camera.stamp = driver                as its flags say; exposure_start, frame_end
+//           camera.exposure_us = 0               0: the camera's control says it
+//           camera.readout_us = 0                end of exposure to end of frame
+//           camera.left_events = /dev/v4l-subdev0    who sends FRAME_SYNC; right_events likewise
+//           imu = iio:0                          needed: number or name, iio:mpu6500
+//           imu.rate_hz = 200
+//           imu.delay_us = 0                     of the chip's filter, taken off the stamp
+//           output.text = poses                  or frames, none: lines on standard output
+//           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
+//           record = DIR                         everything sensed, as an ASL folder
+//           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
+//           parameter.GROUP.NAME = VALUE         as pirvs params lists them
+// Errors  A fault with its line: unknown or repeated keys, values that cannot be, what is missing.
+// Cost    microseconds, at start. No heap.
+// Source  docs/device.md.
+#pragma once
+
+#include <string_view>
+
+#include "bsp/api/datagram.h"
+#include "bsp/linux/iio.h"
+#include "bsp/linux/v4l2_stereo.h"
+#include "core/config/key_values.h"
+#include "modules/app/app_params.h"
+
+namespace pirvs::board {
+
+enum class TextOutput : uint8_t { kPoses, kFrames, kNone };
+
+// A path or a name of the file, with an end.
+struct SettingText {
+  char text[96] = "";
+};
+
+struct Settings {
+  SettingText calibration;
+  SettingText camera[kCamerasMax], camera_events[kCamerasMax];
+  bsp::V4l2StereoSetup stereo;  // without its cameras' paths and sizes
+  SettingText imu;
+  bsp::IioSetup iio;  // without its device
+  TextOutput text = TextOutput::kPoses;
+  bool has_poses_to = false;
+  bsp::Endpoint poses_to;
+  SettingText record;
+  bool realtime = true;
+  AppParams params;
+};
+
+inline constexpr size_t kSettingsTextMax = 16'384;
+
+[[nodiscard]] ConfigFault read_settings(std::string_view text, Settings& out);
+// One `key=value`, as a line of the file: nullptr, or what is wrong. For the command line.
+[[nodiscard]] const char* set_setting(Settings& settings, std::string_view key,
+                                      std::string_view value);
+// What the file and the command line have left out.
+[[nodiscard]] ConfigFault find_missing(const Settings& settings);
+
+}  // namespace pirvs::board

@@ -1,0 +1,108 @@
+#include "board/linux/settings.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace pirvs::board {
+namespace {
+
+constexpr const char* kWhole =
+    "calibration = calibration.cfg\n"
+    "camera.left = /dev/video0\n"
+    "camera.right = /dev/video2\n"
+    "imu = iio:mpu6500\n";
+
+TEST(Settings, ReadsAWholeFile) {
+  Settings out;
+  const std::string text = std::string(kWhole) +
+                           "camera.pairing = stamp\n"
+                           "camera.clock = boottime\n"
+                           "camera.stamp = frame_end\n"
+                           "camera.exposure_us = 4000\n"
+                           "camera.readout_us = 12500.5\n"
+                           "camera.pair_ms = 0.5\n"
+                           "camera.left_events = /dev/v4l-subdev3\n"
+                           "imu.rate_hz = 500\n"
+                           "imu.delay_us = 2900\n"
+                           "output.text = frames\n"
+                           "output.poses = 192.168.7.2:14550\n"
+                           "record = /tmp/flight\n"
+                           "realtime = no\n"
+                           "parameter.frontend.tracks_target = 120\n";
+  const ConfigFault fault = read_settings(text, out);
+  ASSERT_FALSE(fault) << fault.line << ' ' << fault.what;
+  EXPECT_FALSE(find_missing(out));
+  EXPECT_STREQ(out.calibration.text, "calibration.cfg");
+  EXPECT_STREQ(out.camera[1].text, "/dev/video2");
+  EXPECT_STREQ(out.camera_events[0].text, "/dev/v4l-subdev3");
+  EXPECT_STREQ(out.imu.text, "iio:mpu6500");
+  EXPECT_EQ(out.stereo.pairing, bsp::Pairing::kStamp);
+  EXPECT_EQ(out.stereo.pair_ns_max, 500'000);
+  for (const auto& camera : out.stereo.camera) {
+    EXPECT_EQ(camera.clock, bsp::StampClock::kBoottime);
+    EXPECT_EQ(camera.means, bsp::StampMeans::kFrameEnd);
+    EXPECT_EQ(camera.exposure_ns, 4'000'000);
+    EXPECT_EQ(camera.readout_ns, 12'500'500);
+  }
+  EXPECT_EQ(out.iio.rate_hz, 500);
+  EXPECT_EQ(out.iio.delay_ns, 2'900'000);
+  EXPECT_EQ(out.text, TextOutput::kFrames);
+  ASSERT_TRUE(out.has_poses_to);
+  EXPECT_EQ(out.poses_to.address, 0xc0a8'0702u);
+  EXPECT_EQ(out.poses_to.port, 14550);
+  EXPECT_STREQ(out.record.text, "/tmp/flight");
+  EXPECT_FALSE(out.realtime);
+  EXPECT_EQ(out.params.frontend.tracks_target, 120);
+}
+
+TEST(Settings, EachBrokenLineIsNamed) {
+  struct Broken {
+    std::string line;
+    const char* what;
+  };
+  const Broken kBroken[] = {
+      {"camera.middle = /dev/video1", "no such key"},
+      {"camera.left = /dev/video1", "the key stands there twice"},
+      {"camera.pairing = arrival", "trigger or stamp"},
+      {"camera.clock = realtime", "monotonic or boottime"},
+      {"camera.stamp = mid", "driver, exposure_start or frame_end"},
+      {"camera.exposure_us = -1", "not a time, or too long a one"},
+      {"camera.readout_us = 1e9", "not a time, or too long a one"},
+      {"camera.pair_ms = soon", "not a time, or too long a one"},
+      {"imu.rate_hz = 5", "not a rate from 20 to 8000 Hz"},
+      {"output.text = yes", "poses, frames or none"},
+      {"output.poses = 192.168.7.2", "not an address and a port, as 192.168.7.2:14550"},
+      {"output.poses = 192.168.7.256:1", "not an address and a port, as 192.168.7.2:14550"},
+      {"output.poses = 192.168.7.2:0", "not an address and a port, as 192.168.7.2:14550"},
+      {"output.poses = 1.2.3.4:5:6", "not an address and a port, as 192.168.7.2:14550"},
+      {"output.poses = 1.2.3.4.5", "not an address and a port, as 192.168.7.2:14550"},
+      {"realtime = maybe", "yes or no"},
+      {"record = " + std::string(96, 'x'), "longer than 95 bytes"},
+      {"parameter.no.such = 1", "no such parameter"},
+      {"parameter.frontend.tracks_target = many", "not a number"},
+      {"parameter.frontend.tracks_target = 1e9", "out of range"},
+      {"parameter. = 1", "no such key"},
+      {"a line", "not `key = value`"},
+  };
+  for (const Broken& broken : kBroken) {
+    Settings out;
+    const std::string text = kWhole + ("\n" + broken.line) + "\n";
+    const ConfigFault fault = read_settings(text, out);
+    ASSERT_TRUE(fault) << broken.line;
+    EXPECT_EQ(fault.line, 6) << broken.line;
+    EXPECT_STREQ(fault.what, broken.what) << broken.line;
+  }
+  Settings out;
+  EXPECT_STREQ(set_setting(out, "imu", "/dev/iio:device0"),
+               "an IMU is iio: and its number or name");
+}
+
+TEST(Settings, WhatIsMissingIsNamed) {
+  Settings out;
+  ASSERT_FALSE(read_settings("camera.left = /dev/video0\ncalibration = c.cfg\n", out));
+  EXPECT_EQ(find_missing(out).key, "imu");
+}
+
+}  // namespace
+}  // namespace pirvs::board

@@ -1,0 +1,30 @@
+// The sensors of a board under Linux: cameras by V4L2, the IMU by IIO, time by CLOCK_MONOTONIC.
+// bsp/api/camera.h, imu.h and tick.h answer for them.
+// In      wire_sensors(): before they are polled, from the core that polls them; unwire_sensors():
+//         after the last frame is back.
+// Out     A device that has something ends the wait of that core, but only while it is asked for:
+//         a core that has other work does not wake for nothing.
+// Errors  A missing or busy device is no error: it is told, and looked for again.
+// Source  docs/adr/0010-a-live-board-under-linux.md.
+#pragma once
+
+#include "bsp/linux/iio.h"
+#include "bsp/linux/v4l2_stereo.h"
+
+namespace pirvs::board {
+
+struct SensorSetup {
+  bsp::V4l2StereoSetup stereo;
+  bsp::IioSetup imu;
+  bsp::DeviceNews news;
+  int core = 0;
+};
+
+void wire_sensors(const SensorSetup& setup);
+void unwire_sensors();
+
+// Counters of the drivers by name, `camera.left.lost` and so on.
+using VisitCounter = void (*)(const char* device, const char* name, uint32_t value);
+void for_each_sensor_counter(VisitCounter visit);
+
+}  // namespace pirvs::board

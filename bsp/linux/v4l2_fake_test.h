@@ -1,0 +1,196 @@
+// A kernel with two V4L2 cameras that give what a test says, for bsp/linux/system_calls.h.
+// In      kernel.cameras[c]: shoot(), frame_sync(), and whether it is plugged, busy, odd.
+// Out     kernel.told: what the driver told a person.
+// Errors  as a kernel's, by errno.
+#pragma once
+
+#include <errno.h>
+#include <linux/videodev2.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+#include <deque>
+#include <string>
+#include <vector>
+
+#include "bsp/linux/v4l2_node.h"
+
+namespace pirvs::bsp {
+
+inline constexpr int kWidth = 64, kHeight = 32;
+inline constexpr size_t kBytes = size_t{kWidth} * kHeight;
+inline constexpr TimeNs kMs = 1'000'000;
+
+struct Shot {
+  TimeNs t = 0;
+  uint32_t sequence = 0;
+  uint8_t grey = 0;
+  uint32_t flags = V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC | V4L2_BUF_FLAG_TSTAMP_SRC_SOE;
+  size_t cut = 0;  // bytes that are missing at its end
+};
+
+struct FakeCamera {
+  int open_error = 0;
+  bool plugged = true, streaming = false;
+  uint32_t format = V4L2_PIX_FMT_GREY, buffers_granted = 32;
+  int bytes_per_pixel = 1;
+  int32_t exposure = -1;  // 100 us; -1: no such control
+  bool has_frame_sync = false;
+  std::vector<std::vector<uint8_t>> memory;
+  std::deque<uint32_t> queued;
+  std::deque<v4l2_buffer> done;
+  std::deque<v4l2_event> events;
+  uint32_t without_buffer = 0;  // shots that no buffer was there for
+
+  size_t size() const { return kBytes * size_t(bytes_per_pixel); }
+  // One grey all over, in any format; colour and lower bits are noise.
+  void fill(std::vector<uint8_t>& to, uint8_t grey) const {
+    for (size_t i = 0; i < to.size(); ++i) to[i] = uint8_t(i * 37);
+    for (size_t i = 0; i < kBytes; ++i) {
+      uint8_t* const pixel = &to[i * size_t(bytes_per_pixel)];
+      if (format == V4L2_PIX_FMT_GREY || format == V4L2_PIX_FMT_YUYV) pixel[0] = grey;
+      if (format == V4L2_PIX_FMT_UYVY || format == V4L2_PIX_FMT_Y16) pixel[1] = grey;
+      if (format == V4L2_PIX_FMT_Y10) pixel[0] = uint8_t(grey << 2 | 3);
+      if (format == V4L2_PIX_FMT_Y10) pixel[1] = grey >> 6;
+    }
+  }
+  // As a sensor does: without a buffer the image is lost.
+  void shoot(const Shot& shot) {
+    if (!streaming || queued.empty()) {
+      ++without_buffer;
+      return;
+    }
+    v4l2_buffer buffer{};
+    buffer.index = queued.front();
+    queued.pop_front();
+    fill(memory[buffer.index], shot.grey);
+    buffer.timestamp.tv_sec = shot.t / 1'000'000'000;
+    buffer.timestamp.tv_usec = shot.t % 1'000'000'000 / 1000;
+    buffer.sequence = shot.sequence;
+    buffer.flags = shot.flags;
+    buffer.bytesused = static_cast<uint32_t>(size() - shot.cut);
+    done.push_back(buffer);
+  }
+  void frame_sync(TimeNs t, uint32_t sequence) {
+    v4l2_event event{};
+    event.type = V4L2_EVENT_FRAME_SYNC;
+    event.u.frame_sync.frame_sequence = sequence;
+    event.timestamp.tv_sec = t / 1'000'000'000;
+    event.timestamp.tv_nsec = t % 1'000'000'000;
+    events.push_back(event);
+  }
+};
+
+struct FakeKernel {
+  FakeCamera cameras[2];
+  std::vector<std::string> told;
+};
+inline FakeKernel kernel;  // anew for each test
+
+inline int failed(int error) {
+  errno = error;
+  return -1;
+}
+
+inline int fake_open(const char* path) {
+  const int c = path[std::strlen(path) - 1] - '0';
+  FakeCamera& camera = kernel.cameras[c];
+  if (!camera.plugged) return failed(ENOENT);
+  if (camera.open_error != 0) return failed(camera.open_error);
+  return 100 + c;
+}
+
+inline int fake_close(int fd) {
+  FakeCamera& camera = kernel.cameras[fd - 100];
+  camera.streaming = false;
+  camera.queued.clear();
+  camera.done.clear();
+  return 0;
+}
+
+template <class T>
+int take(std::deque<T>& from, void* out, int when_empty) {
+  if (from.empty()) return failed(when_empty);
+  *static_cast<T*>(out) = from.front();
+  from.pop_front();
+  return 0;
+}
+
+inline int set_format(const FakeCamera& camera, v4l2_pix_format& pix) {
+  pix.width = kWidth;
+  pix.height = kHeight;
+  pix.pixelformat = camera.format;
+  pix.bytesperline = uint32_t(kWidth * camera.bytes_per_pixel);
+  return 0;
+}
+
+inline int grant(FakeCamera& camera, v4l2_requestbuffers& request) {
+  request.count = std::min(request.count, camera.buffers_granted);
+  camera.memory.assign(request.count, std::vector<uint8_t>(camera.size()));
+  return 0;
+}
+
+inline int fake_ioctl(int fd, unsigned long request, void* argument) {
+  FakeCamera& camera = kernel.cameras[fd - 100];
+  if (!camera.plugged) return failed(ENODEV);
+  switch (request) {
+    case VIDIOC_QUERYCAP:
+      static_cast<v4l2_capability*>(argument)->capabilities =
+          V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+      return 0;
+    case VIDIOC_S_FMT:
+      return set_format(camera, static_cast<v4l2_format*>(argument)->fmt.pix);
+    case VIDIOC_REQBUFS:
+      return grant(camera, *static_cast<v4l2_requestbuffers*>(argument));
+    case VIDIOC_QUERYBUF: {
+      auto& buffer = *static_cast<v4l2_buffer*>(argument);
+      buffer.length = uint32_t(camera.size());
+      buffer.m.offset = buffer.index;
+      return 0;
+    }
+    case VIDIOC_QBUF:
+      camera.queued.push_back(static_cast<v4l2_buffer*>(argument)->index);
+      return 0;
+    case VIDIOC_DQBUF:
+      return take(camera.done, argument, EAGAIN);
+    case VIDIOC_STREAMON:
+      camera.streaming = true;
+      return 0;
+    case VIDIOC_SUBSCRIBE_EVENT:
+      return camera.has_frame_sync ? 0 : failed(EINVAL);
+    case VIDIOC_DQEVENT:
+      return take(camera.events, argument, ENOENT);
+    case VIDIOC_G_CTRL:
+      static_cast<v4l2_control*>(argument)->value = camera.exposure;
+      return camera.exposure >= 0 ? 0 : failed(EINVAL);
+    default:
+      return failed(ENOTTY);
+  }
+}
+
+inline void* fake_map(size_t size, int fd, int64_t offset) {
+  if (fd < 0) return std::malloc(size);
+  return kernel.cameras[fd - 100].memory[size_t(offset)].data();
+}
+
+inline int fake_unmap(void* at, size_t size) {
+  if (size == V4l2Node::kBuffers * kBytes) std::free(at);  // not a camera's
+  return 0;
+}
+
+inline constexpr SystemCalls kFake = {fake_open, fake_close, fake_ioctl, fake_map, fake_unmap};
+
+inline const DeviceNews kNews = {nullptr, [](void*, const char* device, const char* what) {
+                                   kernel.told.push_back(std::string(device) + ": " + what);
+                                 }};
+
+inline V4l2Setup setup_of(int c) {
+  V4l2Setup setup;
+  setup.path = c == 0 ? "/dev/video0" : "/dev/video1";
+  setup.width = kWidth;
+  setup.height = kHeight;
+  return setup;
+}
+
+}  // namespace pirvs::bsp

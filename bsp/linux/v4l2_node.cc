@@ -1,0 +1,339 @@
+#include "bsp/linux/v4l2_node.h"
+
+#include <errno.h>
+#include <linux/videodev2.h>
+#include <time.h>
+
+#include <algorithm>
+
+#include "bsp/api/clock.h"
+#include "core/kernels/grey/grey.h"
+
+namespace pirvs::bsp {
+
+struct PixelFormat {
+  uint32_t code;
+  int bytes;  // of a pixel
+  int first;  // of the bytes that say its grey
+  int shift;  // of grey in words; -1: pairs, the luma is a byte
+};
+
+namespace {
+
+// In the order in which they are asked for.
+constexpr PixelFormat kFormats[] = {
+    {V4L2_PIX_FMT_GREY, 1, 0, 0}, {V4L2_PIX_FMT_YUYV, 2, 0, -1}, {V4L2_PIX_FMT_UYVY, 2, 1, -1},
+    {V4L2_PIX_FMT_Y10, 2, 0, 2},  {V4L2_PIX_FMT_Y12, 2, 0, 4},   {V4L2_PIX_FMT_Y16, 2, 0, 8},
+};
+
+constexpr TimeNs kSecond_ns = 1'000'000'000;
+
+TimeNs ns_of(const timeval& t) { return t.tv_sec * kSecond_ns + t.tv_usec * TimeNs{1000}; }
+
+// The machine's sleep counts on one clock and not on the other.
+TimeNs boottime_ahead() {
+  timespec t;
+  clock_gettime(CLOCK_BOOTTIME, &t);
+  return t.tv_sec * kSecond_ns + t.tv_nsec - now();
+}
+
+const char* why_not_open() {
+  switch (errno) {
+    case ENOENT:
+    case ENODEV:
+    case ENXIO:
+      return "no such camera, waiting for it";
+    case EBUSY:
+      return "another program has the camera, waiting for it";
+    case EACCES:
+    case EPERM:
+      return "no permission to use the camera";
+    default:
+      return "the camera cannot be opened, trying again";
+  }
+}
+
+}  // namespace
+
+void V4l2Node::configure(const V4l2Setup& setup, const DeviceNews& news, const SystemCalls& calls) {
+  PIRVS_ASSERT(!is_open());
+  setup_ = setup;
+  calls_ = &calls;
+  teller_.configure(news);
+}
+
+// ---- coming and going --------------------------------------------------------------------------
+
+Status V4l2Node::look_for_camera() {
+  if (any_lent() || now() < retry_t_) return Status::kBusFault;
+  unmap();
+  retry_t_ = now() + kRetry_ns;
+  const char* const why = open_camera();
+  if (why != nullptr) {
+    close();
+    teller_.tell(setup_.path, why);
+    return Status::kBusFault;
+  }
+  ++counters_.opened;
+  teller_.tell(setup_.path, "camera started");
+  return Status::kOk;
+}
+
+const char* V4l2Node::open_camera() {
+  fd_ = calls_->open(setup_.path);
+  if (fd_ < 0) return why_not_open();
+  if (const char* const why = set_format()) return why;
+  if (const char* const why = map_buffers()) return why;
+  return start();
+}
+
+const char* V4l2Node::set_format() {
+  v4l2_capability about{};
+  constexpr uint32_t kNeeded = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+  if (calls_->ioctl(fd_, VIDIOC_QUERYCAP, &about) < 0) return "not a camera of V4L2";
+  const uint32_t can =
+      (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
+  if ((can & kNeeded) != kNeeded) return "not a camera that streams by V4L2";
+  for (const PixelFormat& wanted : kFormats) {
+    v4l2_format format{};
+    format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    v4l2_pix_format& pix = format.fmt.pix;
+    pix.width = static_cast<uint32_t>(setup_.width);
+    pix.height = static_cast<uint32_t>(setup_.height);
+    pix.pixelformat = wanted.code;
+    pix.field = V4L2_FIELD_NONE;
+    // A camera answers with what it can do instead, or refuses.
+    if (calls_->ioctl(fd_, VIDIOC_S_FMT, &format) < 0) {
+      if (errno == EINVAL) continue;
+      return why_not_open();
+    }
+    const bool as_asked = pix.width == static_cast<uint32_t>(setup_.width) &&
+                          pix.height == static_cast<uint32_t>(setup_.height) &&
+                          pix.pixelformat == wanted.code;
+    if (!as_asked) continue;
+    format_ = &wanted;
+    stride_ = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
+    return wanted.bytes == 1 ? nullptr : map_grey();
+  }
+  return "the camera cannot give the calibration's size as grey or YUYV";
+}
+
+// Once: a camera that comes back uses it again.
+const char* V4l2Node::map_grey() {
+  if (grey_ != nullptr) return nullptr;
+  grey_ = static_cast<uint8_t*>(calls_->map(grey_bytes(), -1, 0));
+  return grey_ != nullptr ? nullptr : "no memory for grey images";
+}
+
+const char* V4l2Node::map_buffers() {
+  v4l2_requestbuffers request{};
+  request.count = kBuffers;
+  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.memory = V4L2_MEMORY_MMAP;
+  if (calls_->ioctl(fd_, VIDIOC_REQBUFS, &request) < 0) return why_not_open();
+  if (request.count < static_cast<uint32_t>(kFramesLentMax)) return "the camera has no memory";
+  buffer_count_ = std::min(static_cast<int>(request.count), kBuffers);
+  const auto needed = static_cast<size_t>(stride_) * static_cast<size_t>(setup_.height);
+  for (int i = 0; i < buffer_count_; ++i) {
+    v4l2_buffer buffer{};
+    buffer.index = static_cast<uint32_t>(i);
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    if (calls_->ioctl(fd_, VIDIOC_QUERYBUF, &buffer) < 0) return "the camera has no memory";
+    void* const at = calls_->map(buffer.length, fd_, buffer.m.offset);
+    if (at == nullptr || buffer.length < needed) return "the camera's memory cannot be mapped";
+    buffers_[i] = {static_cast<uint8_t*>(at), buffer.length, false};
+  }
+  return nullptr;
+}
+
+const char* V4l2Node::start() {
+  for (int i = 0; i < buffer_count_; ++i) {
+    if (!queue(i)) return "the camera refuses its buffers";
+  }
+  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
+  has_exposure_control_ =
+      setup_.exposure_ns == 0 && calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0;
+  event_fd_ = setup_.event_path[0] != 0 ? calls_->open(setup_.event_path) : fd_;
+  v4l2_event_subscription events{};
+  events.type = V4L2_EVENT_FRAME_SYNC;
+  frame_sync_ = event_fd_ >= 0 && calls_->ioctl(event_fd_, VIDIOC_SUBSCRIBE_EVENT, &events) == 0;
+  started_t_ = now();
+  has_sequence_ = false;
+  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  if (calls_->ioctl(fd_, VIDIOC_STREAMON, &type) < 0) {
+    return errno == EPIPE ? "the camera's stages do not fit together" : why_not_open();
+  }
+  return nullptr;
+}
+
+V4l2Node::~V4l2Node() {
+  close();
+  if (grey_ != nullptr) calls_->unmap(grey_, grey_bytes());
+}
+
+void V4l2Node::close() {
+  if (event_fd_ >= 0 && event_fd_ != fd_) calls_->close(event_fd_);
+  if (fd_ >= 0) calls_->close(fd_);
+  fd_ = event_fd_ = -1;
+  take_back();
+  if (!any_lent()) unmap();
+}
+
+// Its mappings outlive the node: who reads an image may go on.
+void V4l2Node::gone() {
+  ++counters_.unplugged;
+  close();
+  retry_t_ = now() + kRetry_ns;
+  teller_.tell(setup_.path, "camera unplugged, waiting for it");
+}
+
+// ---- buffers -----------------------------------------------------------------------------------
+
+bool V4l2Node::any_lent() const {
+  const auto lent = [](const Buffer& buffer) { return buffer.lent; };
+  return std::any_of(buffers_, buffers_ + buffer_count_, lent);
+}
+
+void V4l2Node::unmap() {
+  for (Buffer& buffer : buffers_) {
+    if (buffer.data != nullptr) calls_->unmap(buffer.data, buffer.size);
+    buffer = Buffer{};
+  }
+  buffer_count_ = 0;
+}
+
+bool V4l2Node::queue(int index) {
+  v4l2_buffer buffer{};
+  buffer.index = static_cast<uint32_t>(index);
+  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  buffer.memory = V4L2_MEMORY_MMAP;
+  return calls_->ioctl(fd_, VIDIOC_QBUF, &buffer) == 0;
+}
+
+// Acquire: whoever gave it back has read what he wanted.
+void V4l2Node::take_back() {
+  const uint32_t returned = returned_.exchange(0, std::memory_order_acquire);
+  for (int i = 0; i < buffer_count_; ++i) {
+    if ((returned >> i & 1u) == 0) continue;
+    PIRVS_ASSERT(buffers_[i].lent);
+    buffers_[i].lent = false;
+    if (is_open()) (void)queue(i);  // an unplugged camera says so at the next image
+  }
+}
+
+// ---- time --------------------------------------------------------------------------------------
+
+void V4l2Node::read_frame_syncs() {
+  if (!frame_sync_) return;
+  v4l2_event event{};
+  while (calls_->ioctl(event_fd_, VIDIOC_DQEVENT, &event) == 0) {
+    if (event.type != V4L2_EVENT_FRAME_SYNC) continue;
+    syncs_[sync_at_] = {event.u.frame_sync.frame_sequence,
+                        event.timestamp.tv_sec * kSecond_ns + event.timestamp.tv_nsec};
+    sync_at_ = (sync_at_ + 1) % kSyncs;
+  }
+}
+
+bool V4l2Node::find_frame_sync(uint32_t sequence, TimeNs& t) const {
+  for (const FrameSync& sync : syncs_) {
+    if (sync.t < started_t_ || sync.sequence != sequence) continue;
+    t = sync.t;
+    return true;
+  }
+  return false;
+}
+
+TimeNs V4l2Node::exposure() {
+  constexpr TimeNs kUnit_ns = 100'000;  // of the control
+  if (setup_.exposure_ns != 0) return setup_.exposure_ns;
+  if (!has_exposure_control_) return 0;
+  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
+  if (calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0) exposure_ns_ = control.value * kUnit_ns;
+  return exposure_ns_;
+}
+
+TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
+  const TimeNs half = exposure_ns_ / 2;
+  TimeNs t = 0;
+  if (frame_sync_) {
+    if (find_frame_sync(buffer.sequence, t)) return t - half;
+    ++counters_.frame_sync_missed;
+  }
+  const uint32_t kind = buffer.flags & V4L2_BUF_FLAG_TIMESTAMP_MASK;
+  const bool stamped = kind != V4L2_BUF_FLAG_TIMESTAMP_UNKNOWN;
+  if (!stamped && setup_.means == StampMeans::kDriver) {
+    ++counters_.unstamped;
+    return arrival - setup_.readout_ns - half;
+  }
+  t = ns_of(buffer.timestamp);
+  if (setup_.clock == StampClock::kBoottime) t -= boottime_ahead();
+  const bool at_start =
+      setup_.means == StampMeans::kExposureStart ||
+      (setup_.means == StampMeans::kDriver &&
+       (buffer.flags & V4L2_BUF_FLAG_TSTAMP_SRC_MASK) == V4L2_BUF_FLAG_TSTAMP_SRC_SOE);
+  return at_start ? t + half : t - setup_.readout_ns - half;
+}
+
+// ---- images ------------------------------------------------------------------------------------
+
+// The image of a buffer, which is made grey if it is not.
+const uint8_t* V4l2Node::grey_of(int buffer) {
+  const uint8_t* const data = buffers_[buffer].data;
+  if (format_->bytes == 1) return data;
+  const RawImage raw = {data + format_->first, stride_, setup_.width, setup_.height};
+  uint8_t* const out = grey_ + grey_bytes() / kBuffers * static_cast<size_t>(buffer);
+  if (format_->shift < 0) {
+    grey_from_pairs(raw, out, setup_.width);
+  } else {
+    grey_from_words(raw, format_->shift, out, setup_.width);
+  }
+  return out;
+}
+
+Status V4l2Node::take(V4l2Image& out) {
+  take_back();
+  if (!is_open() && look_for_camera() != Status::kOk) return Status::kBusFault;
+  for (;;) {
+    v4l2_buffer buffer{};
+    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+    buffer.memory = V4L2_MEMORY_MMAP;
+    if (calls_->ioctl(fd_, VIDIOC_DQBUF, &buffer) < 0) {
+      if (errno == EAGAIN) return Status::kEmpty;
+      gone();
+      return Status::kBusFault;
+    }
+    const auto index = static_cast<int>(buffer.index);
+    PIRVS_ASSERT(index < buffer_count_ && !buffers_[index].lent);
+    const TimeNs arrival = now();
+    read_frame_syncs();
+    // Between two images less than half of all numbers are lost.
+    const uint32_t step = buffer.sequence - sequence_;
+    if (has_sequence_ && step - 1 < UINT32_MAX / 2) counters_.lost += step - 1;
+    sequence_ = buffer.sequence;
+    has_sequence_ = true;
+    exposure_ns_ = exposure();
+    const TimeNs t = mid_exposure(buffer, arrival);
+    const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
+    const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
+    const bool stale = t < started_t_;
+    if (damaged) ++counters_.damaged;
+    if (!damaged && stale) ++counters_.stale;
+    if (damaged || stale) {
+      (void)queue(index);
+      continue;
+    }
+    buffers_[index].lent = true;
+    ++counters_.images;
+    out = {grey_of(index),
+           format_->bytes == 1 ? stride_ : setup_.width,
+           t,
+           arrival,
+           exposure_ns_,
+           buffer.sequence,
+           index};
+    return Status::kOk;
+  }
+}
+
+}  // namespace pirvs::bsp

@@ -1,0 +1,145 @@
+// One camera by V4L2: its buffers mapped once, its images lent as they lie there, where they are
+// 8-bit grey. YUYV, UYVY and grey of 10, 12 or 16 bits are made 8-bit grey in memory of our own.
+// In      configure(), then take() and fd() from one core; give_back() from any.
+// Out     take(): the oldest image. t: the middle of its exposure on CLOCK_MONOTONIC, from what is
+//         known best: V4L2_EVENT_FRAME_SYNC of the same sequence (a frame begins to arrive when its
+//         exposure has ended), else the buffer's stamp by its source flag, else the arrival.
+//         sequence: the sensor's count; a step of more than one: images were lost.
+//         lost_before(): by that count, since the image before.
+// Units   ns, pixels.
+// Errors  take: kEmpty: nothing now. kBusFault: there is no camera: missing, busy, no such format,
+//         or unplugged; DeviceNews says which, once, and every kRetry_ns it is looked for again.
+//         Images with V4L2_BUF_FLAG_ERROR, too short ones, and stale ones (stamped before the
+//         stream began) are counted and given back. A camera that is gone while images are lent
+//         keeps their memory until the last one is back.
+// Cost    A system call an image, another to queue its buffer again at the next take(). No copy of
+//         8-bit grey; of the others that of core/kernels/grey.
+// Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
+#pragma once
+
+#include <atomic>
+
+#include "bsp/api/camera.h"
+#include "bsp/linux/device_news.h"
+#include "bsp/linux/system_calls.h"
+#include "core/base/counter.h"
+
+struct v4l2_buffer;  // of <linux/videodev2.h>
+
+namespace pirvs::bsp {
+
+enum class StampClock : uint8_t { kMonotonic, kBoottime };  // rkisp1 uses the latter, unasked
+// What the buffer's stamp is the time of; kDriver: as its flags say.
+enum class StampMeans : uint8_t { kDriver, kExposureStart, kFrameEnd };
+
+struct V4l2Setup {
+  const char* path = "";
+  const char* event_path = "";  // of FRAME_SYNC where the video node has none: /dev/v4l-subdevN
+  int width = 0, height = 0;
+  StampClock clock = StampClock::kMonotonic;
+  StampMeans means = StampMeans::kDriver;
+  TimeNs exposure_ns = 0;  // 0: as the camera's control says, if it has one
+  TimeNs readout_ns = 0;   // from the end of exposure to the end of the frame
+};
+
+struct PixelFormat;  // one that can be made grey
+
+struct V4l2Image {
+  const uint8_t* data = nullptr;
+  int stride = 0;
+  TimeNs t = 0;
+  TimeNs arrival = 0;
+  TimeNs exposure_ns = 0;
+  uint32_t sequence = 0;
+  int buffer = -1;
+};
+
+struct V4l2Counters {
+  Counter images, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged;
+};
+inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
+    {"images", &V4l2Counters::images},
+    {"lost", &V4l2Counters::lost},            // by the sequence, before they came to us
+    {"damaged", &V4l2Counters::damaged},      // error flag, or too short
+    {"stale", &V4l2Counters::stale},          // left from before the stream began
+    {"unstamped", &V4l2Counters::unstamped},  // stamped at their arrival, by us
+    {"frame_sync_missed", &V4l2Counters::frame_sync_missed},
+    {"opened", &V4l2Counters::opened},
+    {"unplugged", &V4l2Counters::unplugged},
+};
+static_assert(every_counter_is_in(kV4l2CounterRows));
+
+class V4l2Node {
+ public:
+  static constexpr TimeNs kRetry_ns = 200'000'000;
+  static constexpr int kBuffers = kFramesLentMax + 2  // heads that wait for their partner
+                                  + 4;                // for the driver to fill
+  static_assert(kBuffers <= 32, "bits of returned_, and VIDEO_MAX_FRAME");
+
+  // The setup's texts must outlive this.
+  void configure(const V4l2Setup& setup, const DeviceNews& news,
+                 const SystemCalls& calls = kSystemCalls);
+  ~V4l2Node();
+
+  Status take(V4l2Image& out);
+  void give_back(int buffer) { returned_.fetch_or(1u << buffer, std::memory_order_release); }
+  void close();
+
+  bool is_open() const { return fd_ >= 0; }
+  int fd() const { return fd_; }  // -1: none; it changes whenever the camera comes and goes
+  const V4l2Counters& counters() const { return counters_; }
+
+ private:
+  struct Buffer {
+    uint8_t* data = nullptr;
+    size_t size = 0;
+    bool lent = false;
+  };
+  struct FrameSync {
+    uint32_t sequence = 0;
+    TimeNs t = 0;
+  };
+  static constexpr int kSyncs = 8;
+
+  Status look_for_camera();
+  const char* open_camera();
+  const char* set_format();
+  const char* map_grey();
+  size_t grey_bytes() const {
+    return size_t{kBuffers} * static_cast<size_t>(setup_.width * setup_.height);
+  }
+  const uint8_t* grey_of(int buffer);
+  const char* map_buffers();
+  const char* start();
+  bool queue(int buffer);
+  void take_back();
+  bool any_lent() const;
+  void unmap();
+  void gone();
+  void read_frame_syncs();
+  bool find_frame_sync(uint32_t sequence, TimeNs& t) const;
+  TimeNs exposure();
+  TimeNs mid_exposure(const ::v4l2_buffer& buffer, TimeNs arrival);
+
+  V4l2Setup setup_;
+  const SystemCalls* calls_ = &kSystemCalls;
+  DeviceTeller teller_;
+  V4l2Counters counters_;
+  int fd_ = -1, event_fd_ = -1;
+  bool frame_sync_ = false;
+  bool has_exposure_control_ = false;
+  const PixelFormat* format_ = nullptr;
+  int stride_ = 0;           // of the camera's buffers
+  uint8_t* grey_ = nullptr;  // an image for each buffer, if the camera's are not grey
+  TimeNs started_t_ = 0, retry_t_ = 0;
+  TimeNs exposure_ns_ = 0;
+  bool has_sequence_ = false;
+  uint32_t sequence_ = 0;
+  Buffer buffers_[kBuffers];
+  int buffer_count_ = 0;
+  std::atomic<uint32_t> returned_{0};
+  FrameSync syncs_[kSyncs];
+  int sync_at_ = 0;
+};
+
+}  // namespace pirvs::bsp

@@ -1,0 +1,43 @@
+# Boards under Linux: pirvsd, the device program, one static file. Included by board/<name>/board.mk,
+# which says for which processor: CXX_LINUX, BINUTILS, MACHINE.
+#
+#   sources   *.cc below core, modules, bsp/linux, board/linux, board/$(BOARD); no tests
+LINUX_SRC := $(filter-out %_test.cc %_bench.cc,\
+  $(call find_cc,core modules bsp/linux board/linux board/$(BOARD)))
+LINUX_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(LINUX_SRC))
+
+LINUX := $(MACHINE) -ffunction-sections -fdata-sections -fno-pic
+LINUX_LINK := -static -no-pie -Wl,--gc-sections,--build-id=none
+
+all: $(OUT)/pirvsd ## build the device program, build/BOARD/pirvsd
+
+size: $(OUT)/pirvsd ## code, constants and static memory of the program
+	@$(BINUTILS)size $<
+
+# ---- build -------------------------------------------------------------------------------------
+$(OUT)/obj/%.o: %.cc Makefile make/linux.mk board/$(BOARD)/board.mk | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	@echo "c++ $< ($(BOARD))"
+	@trap 'rm -f $@.$$$$' EXIT; \
+	  $(CXX_LINUX) $(COMMON) $(RELEASE) $(LINUX) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
+	  -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
+
+$(OUT)/sources.list: FORCE
+	@mkdir -p $(@D)
+	@echo "$(LINUX_SRC)" | cmp -s - $@ || echo "$(LINUX_SRC)" > $@
+
+$(OUT)/pirvsd: $(LINUX_OBJ) $(OUT)/sources.list
+	@echo "link $@"
+	@$(CXX_LINUX) $(LINUX_LINK) $(LINUX_OBJ) -o $@.$$$$ && mv $@.$$$$ $@
+
+# What plays a recording to pirvsd in its test (make test-device).
+FEEDER_SRC := tests/device/guest/feeder.cc bsp/replay/pack.cc bsp/replay/replay.cc
+FEEDER_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(FEEDER_SRC) \
+  $(addprefix bsp/linux/,assert.cc clock.cc events.cc))
+$(BUILD)/device/feeder: $(FEEDER_OBJ)
+	@mkdir -p $(@D)
+	@$(CXX_LINUX) $(LINUX_LINK) $(FEEDER_OBJ) -o $@
+
+ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
+-include $(LINUX_OBJ:.o=.d) $(FEEDER_OBJ:.o=.d)
+endif

@@ -1,0 +1,221 @@
+// Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
+// at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
+// usage: feeder PACK [faults]. With faults, what kFaults lists goes wrong. Runs above all programs
+// and above the kernel's threads for interrupts.
+// Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
+//         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
+//         clipped" at the end. The scale is the driver's, so values are multiples of it.
+#include <fcntl.h>
+#include <sched.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+
+#include "bsp/api/clock.h"
+#include "bsp/replay/pack.h"
+
+namespace pirvs {
+namespace {
+
+constexpr TimeNs kLead_ns = 2'000'000'000;  // from now to the first item
+constexpr TimeNs kTransfer_ns = 5'000'000;
+constexpr TimeNs kMicro = 1'000;
+
+enum What : uint32_t { kGood, kBad, kPull, kPlug };  // as test_camera.c has them
+
+struct Shot {
+  uint64_t stamp_ns;
+  uint32_t skip, what;
+};
+
+// What happens at a frame, and to which cameras, a bit each.
+enum class Fault : uint8_t {
+  kNone,
+  kMissing,
+  kDamaged,
+  kPulled,
+  kPlugged,
+  kImuPulled,
+  kImuPlugged
+};
+struct FaultAt {
+  uint32_t frame;
+  Fault what;
+  uint8_t cameras;
+};
+constexpr FaultAt kFaults[] = {
+    {30, Fault::kMissing, 2},    // half a pair
+    {40, Fault::kDamaged, 1},    // likewise
+    {50, Fault::kMissing, 3},    // a whole one
+    {60, Fault::kPulled, 3},     // both cameras, and back after 0.8 s
+    {76, Fault::kPlugged, 3},    //
+    {96, Fault::kImuPulled, 0},  // and back after 0.3 s
+    {102, Fault::kImuPlugged, 0},
+};
+bool with_faults = false;
+
+Fault fault_at(uint32_t frame, int camera) {
+  for (const FaultAt& fault : kFaults) {
+    const bool here = fault.cameras == 0 ? camera == 0 : (fault.cameras >> camera & 1) != 0;
+    if (with_faults && fault.frame == frame && here) return fault.what;
+  }
+  return Fault::kNone;
+}
+
+struct Sample {
+  int64_t t_ns;
+  int16_t force[3], temperature, rate[3], unused;
+};
+
+struct Fed {
+  unsigned frames = 0, samples = 0, refused = 0, clipped = 0;
+};
+
+[[noreturn]] void fail(const char* what) {
+  std::perror(what);
+  std::exit(1);
+}
+
+double read_scale(const char* file) {
+  FILE* const in = std::fopen(file, "r");
+  double scale = 0;
+  if (in == nullptr || std::fscanf(in, "%lf", &scale) != 1) fail(file);
+  std::fclose(in);
+  return scale;
+}
+
+int16_t counts_of(double value, double scale, Fed& fed) {
+  const long counts = std::lround(value / scale);
+  const long kept = counts < INT16_MIN ? INT16_MIN : counts > INT16_MAX ? INT16_MAX : counts;
+  fed.clipped += kept != counts;
+  return static_cast<int16_t>(kept);
+}
+
+void feed_imu(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
+  const double force = read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+  const double rate = read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+  const int fd = open("/dev/test_imu", O_WRONLY);
+  if (fd < 0) fail("/dev/test_imu");
+  for (uint32_t i = 0; i < pack.header().imu_count; ++i) {
+    const ImuSample in = pack.imu(i);
+    Sample out{};
+    out.t_ns = in.t + shift;
+    for (int k = 0; k < 3; ++k) {
+      out.force[k] = counts_of(in.f_B(k), force, fed);
+      out.rate[k] = counts_of(in.w_B(k), rate, fed);
+    }
+    if (write(fd, &out, sizeof out) != sizeof out) fail("a sample");
+    ++fed.samples;
+  }
+}
+
+void sleep_until(TimeNs t) {
+  const timespec until = {static_cast<time_t>(t / 1'000'000'000), t % 1'000'000'000};
+  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) continue;
+}
+
+void write_file(const char* path, const char* text) {
+  const int fd = open(path, O_WRONLY);
+  if (fd < 0 || write(fd, text, std::strlen(text)) < 0) std::perror(path);
+  close(fd);
+}
+
+// One camera's node for tests, and what its sensor has counted without showing it.
+struct TestCamera {
+  int fd = -1;
+  size_t bytes = 0;
+  uint32_t skip = 0;
+
+  bool show(TimeNs stamp, What what, const uint8_t* pixels) {
+    static uint8_t message[sizeof(Shot) + kImagePixelsMax];
+    const Shot shot = {static_cast<uint64_t>(stamp), skip, what};
+    skip = 0;
+    std::memcpy(message, &shot, sizeof shot);
+    std::memcpy(message + sizeof shot, pixels, bytes);
+    const size_t size = sizeof shot + bytes;
+    return write(fd, message, size) == static_cast<ssize_t>(size);
+  }
+  void plug(What what) const {
+    const Shot shot = {0, 0, what};
+    if (write(fd, &shot, sizeof shot) != sizeof shot) std::perror("plug");
+  }
+};
+
+void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pixels, Fed& fed) {
+  constexpr const char* kDriver = "/sys/bus/i2c/drivers/inv-mpu6050-i2c/";
+  constexpr const char* kChip = "0-0068";
+  char path[80];
+  if (fault == Fault::kPulled) camera.plug(kPull);
+  if (fault == Fault::kPlugged) camera.plug(kPlug);
+  if (fault == Fault::kImuPulled || fault == Fault::kImuPlugged) {
+    std::snprintf(path, sizeof path, "%s%s", kDriver,
+                  fault == Fault::kImuPulled ? "unbind" : "bind");
+    write_file(path, kChip);
+  }
+  if (fault == Fault::kMissing) {
+    ++camera.skip;
+    return;
+  }
+  fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood, pixels);
+}
+
+void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
+  TestCamera cameras[kCamerasMax];
+  for (int c = 0; c < kCamerasMax; ++c) {
+    char node[32];
+    std::snprintf(node, sizeof node, "/dev/test_camera%d", c);
+    cameras[c].fd = open(node, O_WRONLY);
+    if (cameras[c].fd < 0) fail(node);
+    const Camera camera = pack.camera(c);
+    cameras[c].bytes = static_cast<size_t>(camera.width * camera.height);
+  }
+  // Left from before the stream began, in one camera alone.
+  constexpr TimeNs kHour_ns = 3'600'000'000'000;
+  if (with_faults) (void)cameras[1].show(bsp::now() - kHour_ns, kGood, pack.frame(0).image[1].data);
+  for (uint32_t i = 0; i < pack.header().frame_count; ++i) {
+    const StereoFrame frame = pack.frame(i);
+    sleep_until(frame.t + shift + kTransfer_ns);
+    for (int c = 0; c < kCamerasMax; ++c) {
+      feed_image(cameras[c], fault_at(i, c), frame.t + shift, frame.image[c].data, fed);
+    }
+    ++fed.frames;
+  }
+}
+
+int feed(const char* path) {
+  const int fd = open(path, O_RDONLY);
+  const off_t size = lseek(fd, 0, SEEK_END);
+  if (fd < 0 || size <= 0) fail(path);
+  void* const bytes = mmap(nullptr, static_cast<size_t>(size), PROT_READ, MAP_SHARED, fd, 0);
+  bsp::Pack pack;
+  if (bytes == MAP_FAILED || pack.open(bytes, static_cast<size_t>(size)) != Status::kOk) {
+    fail("not a packed recording");
+  }
+  const TimeNs begin = pack.imu(0).t < pack.frame(0).t ? pack.imu(0).t : pack.frame(0).t;
+  const TimeNs shift = (bsp::now() + kLead_ns - begin) / kMicro * kMicro;
+  std::printf("shift %lld\n", static_cast<long long>(shift));
+  std::fflush(stdout);
+  Fed fed;
+  feed_imu(pack, shift, fed);
+  feed_images(pack, shift, fed);
+  std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
+              fed.refused, fed.clipped);
+  return 0;
+}
+
+}  // namespace
+}  // namespace pirvs
+
+int main(int argc, char** argv) {
+  if (argc < 2) return 2;
+  pirvs::with_faults = argc > 2 && std::strcmp(argv[2], "faults") == 0;
+  const sched_param urgent{60};
+  if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
+  return pirvs::feed(argv[1]);
+}
