@@ -146,13 +146,13 @@ bool IioImu::set_file(const char* file, const char* text) {
 }
 
 void IioImu::close() {
-  if (fd_ >= 0) ::close(fd_);
-  fd_ = -1;
-  // Last first: the buffer is off before its elements change.
+  // Last first: the buffer is off before its elements change. Then others may have the node.
   while (saved_count_ > 0) {
     const Saved& saved = saved_[--saved_count_];
     (void)write_text(saved.path, saved.text);  // an unplugged one has no files
   }
+  if (fd_ >= 0) ::close(fd_);
+  fd_ = -1;
 }
 
 // ---- coming and going --------------------------------------------------------------------------
@@ -200,13 +200,26 @@ bool IioImu::find_device() {
 
 const char* IioImu::open_imu() {
   if (!find_device()) return "no such IMU, waiting for it";
-  // Nothing can be set while another program, or an earlier run of ours, has the buffer on.
+  // The kernel lets one program have the node: without it nothing of another's is touched.
+  if (const char* const why = open_node()) return why;
+  // Nothing can be set while the buffer is on, left so by an earlier run.
   if (!set_file("buffer/enable", "0")) return "the IMU has no buffer, or no permission to use it";
   if (const char* const why = set_clock_and_rate()) return why;
   if (const char* const why = set_elements()) return why;
   if (const char* const why = lay_out()) return why;
   if (const char* const why = read_meaning()) return why;
   return start();
+}
+
+const char* IioImu::open_node() {
+  Text<kPathMax> path;
+  path.put(setup_.root).put("/dev/iio:device").number(number_);
+  fd_ = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (fd_ < 0) {
+    return errno == EBUSY ? "another program has the IMU, waiting for it"
+                          : "the IMU's node cannot be opened";
+  }
+  return nullptr;
 }
 
 const char* IioImu::set_clock_and_rate() {
@@ -324,13 +337,6 @@ const char* IioImu::start() {
   char text[kTextMax];
   if (read_file("trigger/current_trigger", text, kTextMax) && trimmed(text).empty()) {
     return "the IMU has no trigger: write one to trigger/current_trigger";
-  }
-  Text<kPathMax> path;
-  path.put(setup_.root).put("/dev/iio:device").number(number_);
-  fd_ = open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-  if (fd_ < 0) {
-    return errno == EBUSY ? "another program has the IMU, waiting for it"
-                          : "the IMU's node cannot be opened";
   }
   return set_file("buffer/enable", "1") ? nullptr : "the IMU refuses to start";
 }

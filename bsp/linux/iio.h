@@ -78,6 +78,7 @@ class IioImu {
   Status look_for_imu();
   bool find_device();
   const char* open_imu();
+  const char* open_node();
   const char* set_clock_and_rate();
   const char* set_elements();
   const char* lay_out();

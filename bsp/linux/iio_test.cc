@@ -228,6 +228,15 @@ TEST_F(Iio, GoesAndComesBack) {
   EXPECT_EQ(told_, kTold);
 }
 
+TEST_F(Iio, TouchesNothingWithoutItsNode) {
+  put("buffer/enable", "1\n");  // another program's
+  fs::remove(root_ + "/dev/iio:device3");
+  EXPECT_EQ(start(), Status::kBusFault);
+  EXPECT_EQ(told_, std::vector<std::string>{"iio:3: the IMU's node cannot be opened"});
+  EXPECT_EQ(get("buffer/enable"), "1");
+  EXPECT_EQ(get("current_timestamp_clock"), "realtime");
+}
+
 TEST_F(Iio, SaysWhyThereIsNone) {
   struct Broken {
     const char* what;

@@ -1,4 +1,4 @@
-// Goal (x86-64): 0.03 ms each.
+// Goal (x86-64): pairs 0.015 ms, words 0.05 ms.
 #include "core/kernels/grey/grey.h"
 
 #include <opencv2/imgproc.hpp>
