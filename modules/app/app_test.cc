@@ -1,3 +1,4 @@
+// Long file: one fixture lives with an App in every way that the tests here do.
 #include "modules/app/app.h"
 
 #include <gtest/gtest.h>

@@ -1,10 +1,11 @@
 // What    Reads text tables of numbers (ASL .csv, TUM .tum) and points at the line that is wrong.
 // In      A file of rows; fields apart by commas or blanks; '#' starts a comment line.
 // Out     One row at a time: its fields as text, its line number; decoded on request.
-// Units   stamps, in the first column: seconds with a decimal point, or integers, of which the heading
-//         or the whole column decides what they are: nanoseconds if the heading says `[ns]`, if one
-//         has more than 15 digits or if they are 0.1 ms apart or more; seconds if another has a
-//         decimal point or if they are 1000 s apart or less. All become TimeNs exactly.
+// Units   stamps, in the first column: seconds with a decimal point, or integers, of which the
+//         heading or the whole column decides what they are: nanoseconds if the heading says
+//         `[ns]`, if one has more than 15 digits or if they are 0.1 ms apart or more; seconds if
+//         another has a decimal point or if they are 1000 s apart or less. All become TimeNs
+//         exactly.
 // Errors  InputError with file and line; of integers that may be either, too. A last line that was
 //         cut off is not an error: cut_off().
 // Cost    ~0.3 us per field; an EuRoC recording's IMU loads in ~50 ms.
