@@ -1,20 +1,23 @@
 #include "modules/app/intake.h"
 
-#include "bsp/api/tick.h"
-
 namespace pirvs {
 
-void Intake::configure(Door* door, const IntakeTap& tap, const ArrivalSource& inbox) {
+void Intake::configure(Door* door, const IntakeTap& tap, const ArrivalSource& inbox,
+                       const IntakeDrivers& drivers) {
   *this = Intake{};
   door_ = door;
   tap_ = tap;
   inbox_ = inbox;
+  drivers_ = drivers;
 }
 
 // What is asked next depends on what was pushed, and on nothing else: a replay asks the same.
 void Intake::push(const Arrival& arrival) {
   const int i = static_cast<int>(arrival.sensor);
-  if (arrival.kind == ArrivalKind::kFault) fault_since_tick_[i] = true;
+  if (arrival.kind == ArrivalKind::kFault) {
+    fault_since_tick_[i] = true;
+    camera_faulted_last_ = arrival.sensor == Sensor::kCamera;
+  }
   if (arrival.kind == ArrivalKind::kEnd) ended_[i] = true;
   if (arrival.kind == ArrivalKind::kTick) {
     for (bool& fault : fault_since_tick_) fault = false;
@@ -23,8 +26,19 @@ void Intake::push(const Arrival& arrival) {
   door_->push(arrival);
 }
 
+bool Intake::poll() {
+  if (poll_inbox()) return true;
+  const bool any_fault = fault_since_tick_[0] || fault_since_tick_[1];
+  if (any_fault && poll_tick()) return true;  // or a driver with faults alone would hold time up
+  return poll_sensors() || (!any_fault && poll_tick());
+}
+
 // A replay gives a frame only once the IMU has come to it, so the cameras are asked first.
-bool Intake::poll() { return poll_inbox() || poll_camera() || poll_imu() || poll_tick(); }
+bool Intake::poll_sensors() {
+  const int camera = static_cast<int>(Sensor::kCamera);
+  if (fault_since_tick_[camera] && camera_faulted_last_) return poll_imu() || poll_camera();
+  return poll_camera() || poll_imu();
+}
 
 bool Intake::poll_inbox() {
   Arrival arrival;
@@ -42,7 +56,7 @@ bool Intake::may_ask(Sensor sensor) const {
 bool Intake::poll_camera() {
   if (!door_->wants_frame() || !may_ask(Sensor::kCamera)) return false;
   StereoFrame frame;
-  const Status status = bsp::camera_poll(frame);
+  const Status status = drivers_.camera(frame);
   if (status == Status::kEmpty) return false;
   if (status == Status::kOk) {
     push(arrival_of(frame));
@@ -57,7 +71,7 @@ bool Intake::poll_camera() {
 bool Intake::ask_imu(Arrival& out) {
   if (!door_->wants_imu()) return false;
   ImuSample sample;
-  const Status status = bsp::imu_poll(sample);
+  const Status status = drivers_.imu(sample);
   if (status == Status::kEmpty) return false;
   if (status == Status::kOk || status == Status::kFull) {
     out = arrival_of(sample, status == Status::kFull);
@@ -98,7 +112,7 @@ void Intake::drain_imu() {
 
 bool Intake::poll_tick() {
   TimeNs t = 0;
-  if (bsp::tick_poll(t) != Status::kOk) return false;
+  if (drivers_.tick(t) != Status::kOk) return false;
   push(tick_at(t));
   return true;
 }

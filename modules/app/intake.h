@@ -4,15 +4,24 @@
 //         samples that are there, at any time, so that the door's fresh listener has them at once.
 //         Either way the door hands out the same items. IntakeTap sees each arrival before the door
 //         judges it. Frames go back to the bsp by release().
-// Errors  Faults of a driver are arrivals: the door counts them. A lost sensor is asked at each
-//         tick, and goes on by itself when it answers.
+// Errors  Faults of a driver are arrivals: the door counts them. A sensor that answered with a fault
+//         is asked again after all others, so that one that never stops keeps nobody waiting; a
+//         lost one is asked at each tick, and goes on by itself when it answers.
 // Cost    A few polls. Belongs to the door's core; release() to whoever has the frame.
 // Source  docs/architecture.md, "One way for the data".
 #pragma once
 
+#include "bsp/api/tick.h"
 #include "modules/door/door.h"
 
 namespace pirvs {
+
+// The drivers that are asked; a test has others.
+struct IntakeDrivers {
+  Status (*camera)(StereoFrame&) = bsp::camera_poll;
+  Status (*imu)(ImuSample&) = bsp::imu_poll;
+  Status (*tick)(TimeNs&) = bsp::tick_poll;
+};
 
 struct IntakeTap {
   void* context = nullptr;
@@ -27,7 +36,8 @@ struct ArrivalSource {
 
 class Intake {
  public:
-  void configure(Door* door, const IntakeTap& tap = {}, const ArrivalSource& inbox = {});
+  void configure(Door* door, const IntakeTap& tap = {}, const ArrivalSource& inbox = {},
+                 const IntakeDrivers& drivers = {});
   void set_tap(const IntakeTap& tap) { tap_ = tap; }
 
   // False: nothing has come.
@@ -38,6 +48,7 @@ class Intake {
 
  private:
   bool poll_inbox();
+  bool poll_sensors();
   bool poll_camera();
   bool poll_imu();
   bool poll_tick();
@@ -48,9 +59,11 @@ class Intake {
   Door* door_ = nullptr;
   IntakeTap tap_;
   ArrivalSource inbox_;
+  IntakeDrivers drivers_;
   bool ended_[static_cast<int>(Sensor::kCount)] = {};
   bool fault_since_tick_[static_cast<int>(Sensor::kCount)] = {};
-  Arrival pending_;  // of the IMU, met by drain_imu(): it must wait for poll()
+  bool camera_faulted_last_ = false;  // of the faults, the newest was the camera's
+  Arrival pending_;                   // of the IMU, met by drain_imu(): it must wait for poll()
   bool has_pending_ = false;
 };
 
