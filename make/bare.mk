@@ -3,8 +3,7 @@
 #
 #   library   *.cc and *.S below core, modules, bsp/bare, bsp/drivers, bsp/replay, board/bare,
 #             board/$(BOARD); no tests, no emulated chips
-CXX_AARCH64 ?= aarch64-linux-gnu-g++
-BINUTILS := aarch64-linux-gnu-
+include make/aarch64.mk
 PICOLIBC := /usr/lib/picolibc/aarch64-linux-gnu/lib
 LINKER_SCRIPT := linker/$(BOARD).ld
 
@@ -12,13 +11,11 @@ BARE_FOLDERS := core modules bsp/bare bsp/drivers bsp/replay board/bare board/$(
 HOST_ONLY := %_test.cc %_bench.cc %_emulator.cc bsp/drivers/emulated/%
 BARE_SRC := $(filter-out $(HOST_ONLY),$(call find_cc,$(BARE_FOLDERS))) \
   $(sort $(shell find $(BARE_FOLDERS) -name '*.S'))
-BARE_OBJ := $(patsubst %,$(OUT)/obj/%.o,$(basename $(BARE_SRC)))
+BARE_OBJ := $(call aarch64_objects,$(filter-out board/$(BOARD)/%,$(BARE_SRC))) \
+  $(patsubst %,$(OUT)/obj/%.o,$(basename $(filter board/$(BOARD)/%,$(BARE_SRC))))
 
-# One code for both kinds of core of an RK3399. Frame pointers are what a fault report follows.
-BARE := -mcpu=cortex-a72 -mno-outline-atomics -fno-omit-frame-pointer -fno-stack-protector \
-  -fno-asynchronous-unwind-tables -ffunction-sections -fdata-sections -fno-pic -fno-pie
 # memset and memcpy themselves: no loop of theirs may become a call of them.
-$(OUT)/obj/core/base/bytes.o: BARE += -fno-tree-loop-distribute-patterns
+$(BUILD)/aarch64/obj/core/base/bytes.o: AARCH64 += -fno-tree-loop-distribute-patterns
 BARE_LINK := -nostdlib -nostartfiles -static -no-pie -T $(LINKER_SCRIPT) -L. \
   -Wl,--gc-sections,--build-id=none,-z,max-page-size=4096,--no-warn-rwx-segments,--fatal-warnings
 
@@ -54,17 +51,10 @@ bench: $(OUT)/pirvs.bin $(BUILD)/prof/plugin.so ## single kernels against their 
 	$(call profile,--bench $(K),bench)
 
 # ---- build -------------------------------------------------------------------------------------
-define compile_bare
-@mkdir -p $(@D)
-@echo "c++ $< ($(BOARD))"
-@trap 'rm -f $@.$$$$' EXIT; \
-  $(CXX_AARCH64) $(COMMON) $(RELEASE) $(BARE) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
-  -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
-endef
-$(OUT)/obj/%.o: %.cc Makefile make/bare.mk | $(BUILD)/setup.stamp
-	$(compile_bare)
-$(OUT)/obj/%.o: %.S Makefile make/bare.mk | $(BUILD)/setup.stamp
-	$(compile_bare)
+$(OUT)/obj/%.o: %.cc $(AARCH64_RULES) | $(BUILD)/setup.stamp
+	$(call compile_aarch64,$(BOARD),$(COMMON))
+$(OUT)/obj/%.o: %.S $(AARCH64_RULES) | $(BUILD)/setup.stamp
+	$(call compile_aarch64,$(BOARD),$(COMMON))
 
 $(OUT)/sources.list: FORCE
 	@mkdir -p $(@D)

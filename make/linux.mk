@@ -1,10 +1,13 @@
 # Boards under Linux: pirvsd, the device program, one static file. Included by board/<name>/board.mk,
-# which says for which processor: CXX_LINUX, BINUTILS, MACHINE.
+# which says for which processor: CXX_LINUX, BINUTILS, MACHINE, and where the objects of core and
+# modules come from that it shares with other boards: shared_objects(sources).
 #
 #   sources   *.cc below core, modules, bsp/linux, board/linux, board/$(BOARD); no tests
 LINUX_SRC := $(filter-out %_test.cc %_bench.cc,\
   $(call find_cc,core modules bsp/linux board/linux board/$(BOARD)))
-LINUX_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(LINUX_SRC))
+LINUX_SHARED := $(filter core/% modules/%,$(LINUX_SRC))
+LINUX_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(filter-out $(LINUX_SHARED),$(LINUX_SRC))) \
+  $(call shared_objects,$(LINUX_SHARED))
 
 LINUX := $(MACHINE) -ffunction-sections -fdata-sections -fno-pic
 LINUX_LINK := -static -no-pie -Wl,--gc-sections,--build-id=none
@@ -39,5 +42,5 @@ $(BUILD)/device/feeder: $(FEEDER_OBJ)
 	@$(CXX_LINUX) $(LINUX_LINK) $(FEEDER_OBJ) -o $@
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
--include $(LINUX_OBJ:.o=.d) $(FEEDER_OBJ:.o=.d)
+-include $(patsubst %.o,%.d,$(filter %.o,$(LINUX_OBJ) $(FEEDER_OBJ)))
 endif

@@ -1,6 +1,6 @@
 # RK3399 under Linux: two Cortex-A72 and four Cortex-A53.
+include make/aarch64.mk
 CXX_LINUX = $(CXX_AARCH64)
-CXX_AARCH64 ?= aarch64-linux-gnu-g++
-BINUTILS := aarch64-linux-gnu-
-MACHINE := -mcpu=cortex-a72 -mno-outline-atomics
+MACHINE = $(AARCH64)
+shared_objects = $(aarch64_objects)
 include make/linux.mk

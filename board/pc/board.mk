@@ -1,5 +1,8 @@
-# A PC with cameras and an IMU: the device program as it runs on any.
+# A PC with cameras and an IMU: the device program as it runs on any, over the host's library.
 CXX_LINUX = $(CXX)
 BINUTILS :=
 MACHINE := -march=x86-64-v3
+shared_objects = $(BUILD)/host/libpirvs.a
+$(BUILD)/host/libpirvs.a: FORCE
+	@$(MAKE) -s BOARD=host $@
 include make/linux.mk
