@@ -4,9 +4,9 @@
 //         samples that are there, at any time, so that the door's fresh listener has them at once.
 //         Either way the door hands out the same items. IntakeTap sees each arrival before the door
 //         judges it. Frames go back to the bsp by release().
-// Errors  Faults of a driver are arrivals: the door counts them. A sensor that answered with a fault
-//         is asked again after all others, so that one that never stops keeps nobody waiting; a
-//         lost one is asked at each tick, and goes on by itself when it answers.
+// Errors  Faults of a driver are arrivals: the door counts them. After a fault the sensor is asked
+//         again after all others, so that one that never stops keeps nobody waiting; a lost one is
+//         asked at each tick, and goes on by itself when it answers.
 // Cost    A few polls. Belongs to the door's core; release() to whoever has the frame.
 // Source  docs/architecture.md, "One way for the data".
 #pragma once
