@@ -38,8 +38,8 @@ constexpr Schedule schedule(const CorePlan& plan) {
     const bool slow = (plan.slow_cores >> core & 1) != 0;
     return Task{name, every_us, slow ? budget.a53_us : budget.a72_us, core, wakes};
   };
-  constexpr uint32_t door = 1u << kDoor, prepare = 1u << kPrepare, left = 1u << kLeft,
-                     right = 1u << kRight, tracking = 1u << kTracking, mapping = 1u << kMapping;
+  const uint32_t door = 1u << kDoor, prepare = 1u << kPrepare, left = 1u << kLeft,
+                 right = 1u << kRight, tracking = 1u << kTracking, mapping = 1u << kMapping;
   const uint32_t frame_us = 1'000'000u / plan.frames_hz;
   return {{
       // name, how often, budget, core, who may have work after its steps
