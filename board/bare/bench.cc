@@ -7,6 +7,7 @@
 #include "core/kernels/corner/corner.h"
 #include "core/kernels/describe/describe.h"
 #include "core/kernels/equalize/equalize.h"
+#include "core/kernels/grey/grey.h"
 #include "core/kernels/hamming/hamming.h"
 #include "core/kernels/lk/lk.h"
 #include "core/kernels/pyramid/pyramid.h"
@@ -42,6 +43,21 @@ struct Scene {
 
 uint64_t pixels(const Scene& s) {
   return static_cast<uint64_t>(s.before.width) * static_cast<uint64_t>(s.before.height);
+}
+
+// The image's bytes, two a pixel.
+RawImage raw_of(const ImageView& image) {
+  return {image.data, image.stride, image.width / 2, image.height};
+}
+
+uint64_t grey_from_pairs_work(Scene& s) {
+  grey_from_pairs(raw_of(s.before), s.out, s.before.width);
+  return pixels(s) / 2;
+}
+
+uint64_t grey_from_words_work(Scene& s) {
+  grey_from_words(raw_of(s.before), 4, s.out, s.before.width);
+  return pixels(s) / 2;
 }
 
 uint64_t equalize_work(Scene& s) {
@@ -137,6 +153,8 @@ struct Row {
 
 // In order: lk_align needs the patches, hamming the descriptors, project the bearings before it.
 Row rows[] = {
+    {TracePlace("bench.grey_from_pairs"), "pixel", 2, grey_from_pairs_work},
+    {TracePlace("bench.grey_from_words"), "pixel", 2, grey_from_words_work},
     {TracePlace("bench.equalize"), "pixel", 1, equalize_work},
     {TracePlace("bench.pyramid_down"), "pixel", 2, pyramid_work},
     {TracePlace("bench.corner_best"), "pixel", 2, corner_work},

@@ -163,7 +163,8 @@ TEST(recording, a_heading_says_that_short_stamps_are_nanoseconds) {
   const auto samples = read_imu_samples(disk.path("imu0/data.csv"), rejected);
   ASSERT_EQ(samples.size(), 2u);
   EXPECT_EQ(samples[0].t, 9'225'512'043);
-  disk.write("imu0/data.csv", "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n922,0,0,0,0,0,9.81\n");
+  disk.write("imu0/data.csv",
+             "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n922,0,0,0,0,0,9.81\n923,0,0,0,0,0,9.81\n");
   EXPECT_EQ(read_imu_samples(disk.path("imu0/data.csv"), rejected).at(0).t, 922'000'000'000);
 }
 
