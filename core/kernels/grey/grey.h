@@ -6,7 +6,7 @@
 //         Reads exactly 2 * width - 1 bytes of a row of pairs, 2 * width of a row of words.
 // Errors  None. Asserts the size and that shift is 0 to 8.
 // Cost    752 x 480, x86-64 (make bench K=grey): pairs 0.013 ms, words 0.05 ms.
-// Goal    A72 cycles: grey_from_pairs 0.8 a pixel, grey_from_words 1.6 a pixel.
+// Goal    A72 cycles: grey_from_pairs 1 a pixel, grey_from_words 1.2 a pixel.
 // Source  V4L2, "YUV Formats", "Luma-Only Formats": V4L2_PIX_FMT_YUYV, UYVY, Y10, Y12, Y16.
 #pragma once
 
