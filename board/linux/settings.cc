@@ -9,10 +9,20 @@ namespace {
 constexpr TimeNs kMicro = 1'000, kMilli = 1'000'000;
 constexpr std::string_view kParameter = "parameter.";
 
+template <class Enum>
 struct Choice {
   const char* word;
-  int value;
+  Enum value;
 };
+constexpr Choice<bsp::Pairing> kPairings[] = {{"trigger", bsp::Pairing::kTrigger},
+                                              {"stamp", bsp::Pairing::kStamp}};
+constexpr Choice<bsp::StampClock> kClocks[] = {{"monotonic", bsp::StampClock::kMonotonic},
+                                               {"boottime", bsp::StampClock::kBoottime}};
+constexpr Choice<bsp::StampMeans> kStamps[] = {{"driver", bsp::StampMeans::kDriver},
+                                               {"exposure_start", bsp::StampMeans::kExposureStart},
+                                               {"frame_end", bsp::StampMeans::kFrameEnd}};
+constexpr Choice<TextOutput> kOutputs[] = {
+    {"poses", TextOutput::kPoses}, {"frames", TextOutput::kFrames}, {"none", TextOutput::kNone}};
 
 // Each reads a value: nullptr, or what is wrong with it.
 const char* read_text(std::string_view value, SettingText& out) {
@@ -22,9 +32,9 @@ const char* read_text(std::string_view value, SettingText& out) {
   return nullptr;
 }
 
-template <size_t N>
-bool read_choice(std::string_view value, const Choice (&choices)[N], int& out) {
-  for (const Choice& choice : choices) {
+template <class Enum, size_t N>
+bool read_choice(std::string_view value, const Choice<Enum> (&choices)[N], Enum& out) {
+  for (const Choice<Enum>& choice : choices) {
     if (value != choice.word) continue;
     out = choice.value;
     return true;
@@ -42,42 +52,39 @@ const char* read_time(std::string_view value, TimeNs unit, TimeNs max, TimeNs& o
 }
 
 const char* read_pairing(std::string_view value, Settings& out) {
-  constexpr Choice kChoices[] = {{"trigger", static_cast<int>(bsp::Pairing::kTrigger)},
-                                 {"stamp", static_cast<int>(bsp::Pairing::kStamp)}};
-  int choice = 0;
-  if (!read_choice(value, kChoices, choice)) return "trigger or stamp";
-  out.stereo.pairing = static_cast<bsp::Pairing>(choice);
-  return nullptr;
-}
-
-const char* read_clock(std::string_view value, Settings& out) {
-  constexpr Choice kChoices[] = {{"monotonic", static_cast<int>(bsp::StampClock::kMonotonic)},
-                                 {"boottime", static_cast<int>(bsp::StampClock::kBoottime)}};
-  int choice = 0;
-  if (!read_choice(value, kChoices, choice)) return "monotonic or boottime";
-  for (auto& camera : out.stereo.camera) camera.clock = static_cast<bsp::StampClock>(choice);
-  return nullptr;
-}
-
-const char* read_stamp(std::string_view value, Settings& out) {
-  constexpr Choice kChoices[] = {
-      {"driver", static_cast<int>(bsp::StampMeans::kDriver)},
-      {"exposure_start", static_cast<int>(bsp::StampMeans::kExposureStart)},
-      {"frame_end", static_cast<int>(bsp::StampMeans::kFrameEnd)}};
-  int choice = 0;
-  if (!read_choice(value, kChoices, choice)) return "driver, exposure_start or frame_end";
-  for (auto& camera : out.stereo.camera) camera.means = static_cast<bsp::StampMeans>(choice);
-  return nullptr;
+  return read_choice(value, kPairings, out.stereo.pairing) ? nullptr : "trigger or stamp";
 }
 
 const char* read_output(std::string_view value, Settings& out) {
-  constexpr Choice kChoices[] = {{"poses", static_cast<int>(TextOutput::kPoses)},
-                                 {"frames", static_cast<int>(TextOutput::kFrames)},
-                                 {"none", static_cast<int>(TextOutput::kNone)}};
-  int choice = 0;
-  if (!read_choice(value, kChoices, choice)) return "poses, frames or none";
-  out.text = static_cast<TextOutput>(choice);
-  return nullptr;
+  return read_choice(value, kOutputs, out.text) ? nullptr : "poses, frames or none";
+}
+
+// What both cameras have alike.
+template <class Enum, size_t N>
+bool read_choice_of_both(std::string_view value, const Choice<Enum> (&choices)[N],
+                         Enum bsp::V4l2Setup::*field, Settings& out) {
+  bool good = true;
+  for (auto& camera : out.stereo.camera) good &= read_choice(value, choices, camera.*field);
+  return good;
+}
+
+const char* read_clock(std::string_view value, Settings& out) {
+  const bool good = read_choice_of_both(value, kClocks, &bsp::V4l2Setup::clock, out);
+  return good ? nullptr : "monotonic or boottime";
+}
+
+const char* read_stamp(std::string_view value, Settings& out) {
+  const bool good = read_choice_of_both(value, kStamps, &bsp::V4l2Setup::means, out);
+  return good ? nullptr : "driver, exposure_start or frame_end";
+}
+
+const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*field,
+                              Settings& out) {
+  const char* why = nullptr;
+  for (auto& camera : out.stereo.camera) {
+    why = read_time(value, kMicro, 100 * kMilli, camera.*field);
+  }
+  return why;
 }
 
 // 192.168.7.2:14550
@@ -117,28 +124,8 @@ const char* read_rate(std::string_view value, Settings& out) {
 }
 
 const char* read_imu(std::string_view value, Settings& out) {
-  constexpr std::string_view kIio = "iio:";
-  const bool iio =
-      value.size() > kIio.size() && std::string_view(value.data(), kIio.size()) == kIio;
+  const bool iio = !behind(value, "iio:").empty();
   return iio ? read_text(value, out.imu) : "an IMU is iio: and its number or name";
-}
-
-const char* read_exposure(std::string_view value, Settings& out) {
-  for (auto& camera : out.stereo.camera) {
-    if (const char* const why = read_time(value, kMicro, 100 * kMilli, camera.exposure_ns)) {
-      return why;
-    }
-  }
-  return nullptr;
-}
-
-const char* read_readout(std::string_view value, Settings& out) {
-  for (auto& camera : out.stereo.camera) {
-    if (const char* const why = read_time(value, kMicro, 100 * kMilli, camera.readout_ns)) {
-      return why;
-    }
-  }
-  return nullptr;
 }
 
 struct Key {
@@ -157,8 +144,14 @@ constexpr Key kKeys[] = {
     {"camera.pairing", read_pairing},
     {"camera.clock", read_clock},
     {"camera.stamp", read_stamp},
-    {"camera.exposure_us", read_exposure},
-    {"camera.readout_us", read_readout},
+    {"camera.exposure_us",
+     [](std::string_view v, Settings& out) {
+       return read_time_of_both(v, &bsp::V4l2Setup::exposure_ns, out);
+     }},
+    {"camera.readout_us",
+     [](std::string_view v, Settings& out) {
+       return read_time_of_both(v, &bsp::V4l2Setup::readout_ns, out);
+     }},
     {"camera.pair_ms",
      [](std::string_view v, Settings& out) {
        return read_time(v, kMilli, 100 * kMilli, out.stereo.pair_ns_max);
@@ -188,11 +181,9 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   for (const Key& known : kKeys) {
     if (key == known.name) return known.read(value, settings);
   }
-  const bool is_parameter = key.size() > kParameter.size() &&
-                            std::string_view(key.data(), kParameter.size()) == kParameter;
-  if (!is_parameter) return "no such key";
-  key.remove_prefix(kParameter.size());
-  const ParamAnswer answer = set_parameter(settings.params, key, value);
+  const std::string_view parameter = behind(key, kParameter);
+  if (parameter.empty()) return "no such key";
+  const ParamAnswer answer = set_parameter(settings.params, parameter, value);
   return answer.ok() ? nullptr : name(answer.status);
 }
 

@@ -117,6 +117,11 @@ Status KeyValues::next(KeyValue& out) {
   return Status::kStale;
 }
 
+std::string_view behind(std::string_view text, std::string_view prefix) {
+  if (text.size() <= prefix.size() || part(text, 0, prefix.size()) != prefix) return {};
+  return part(text, prefix.size(), text.size());
+}
+
 bool read_words(std::string_view value, std::string_view* out, int count) {
   int found = 0;
   const auto parts = [](char c) { return is_blank(c) || c == ','; };

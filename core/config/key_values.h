@@ -54,6 +54,9 @@ class KeyValues {
   ConfigFault fault_;
 };
 
+// What stands behind a prefix; empty: nothing does, or the text begins otherwise.
+std::string_view behind(std::string_view text, std::string_view prefix);
+
 // Words parted by blanks or commas; false: there are not exactly so many.
 [[nodiscard]] bool read_words(std::string_view value, std::string_view* out, int count);
 [[nodiscard]] bool read_numbers(std::string_view value, double* out, int count);

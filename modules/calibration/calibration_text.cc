@@ -99,14 +99,6 @@ constexpr ImuKey kImuKeys[] = {
 constexpr const char* kCameraNames[kCamerasMax] = {"cam0.", "cam1."};
 constexpr const char* kImuName = "imu.";
 
-// The rest of a key behind a prefix; empty: it has another.
-std::string_view behind(std::string_view key, std::string_view prefix) {
-  const bool fits =
-      key.size() > prefix.size() && std::string_view(key.data(), prefix.size()) == prefix;
-  return fits ? std::string_view(key.data() + prefix.size(), key.size() - prefix.size())
-              : std::string_view{};
-}
-
 // Which keys have been there, a bit each.
 struct Seen {
   uint32_t camera[kCamerasMax] = {};
