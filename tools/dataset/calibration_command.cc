@@ -5,7 +5,6 @@
 #include <memory>
 #include <string>
 
-#include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
 #include "tools/cli/command.h"
 #include "tools/dataset/calibration_file.h"
@@ -31,9 +30,7 @@ Calibration read(const Options& options) {
 
 int convert(const Options& options) {
   const Calibration calibration = read(options);
-  if (const CalibrationFault fault = find_fault(calibration)) {
-    throw InputError(fault.what, options.in + ", " + fault.where, fault.what_to_do);
-  }
+  check_sense(calibration, options.in);
   Text<kCalibrationTextMax> text;
   write_calibration(calibration, text);
   std::ofstream file(options.out, std::ios::binary);

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "core/math/so3.h"
+#include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
 #include "tools/dataset/input_error.h"
 
@@ -174,6 +175,12 @@ Calibration read_asl_calibration(const std::string& mav0) {
     if (c == 0) out.camera_time_offset_ns = offset;
   }
   return out;
+}
+
+void check_sense(const Calibration& calibration, const std::string& where) {
+  if (const CalibrationFault fault = find_fault(calibration)) {
+    throw InputError(fault.what, where + ", " + fault.where, fault.what_to_do);
+  }
 }
 
 Calibration read_calibration_file(const std::string& path, const ImuNoise& noise) {

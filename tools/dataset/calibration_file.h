@@ -26,6 +26,9 @@ Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noi
 // By the name of the file: a device's *.cfg, or Kalibr's camchain and the noise as above.
 Calibration read_calibration_file(const std::string& path, const ImuNoise& noise);
 
+// InputError if find_fault() finds one; `where`: the file or folder that it was read from.
+void check_sense(const Calibration& calibration, const std::string& where);
+
 // One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
 Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset_ns);
 

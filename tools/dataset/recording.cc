@@ -4,7 +4,6 @@
 #include <cmath>
 #include <filesystem>
 
-#include "modules/calibration/calibration_check.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
@@ -201,10 +200,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     recording.calibration = read_calibration_file(options.calibration, noise);
   }
   if (options.mono || !fs::is_directory(mav0 + "/cam1")) recording.calibration.cameras = 1;
-  if (const CalibrationFault fault = find_fault(recording.calibration)) {
-    const std::string& file = options.calibration.empty() ? mav0 : options.calibration;
-    throw InputError(fault.what, file + ", " + fault.where, fault.what_to_do);
-  }
+  check_sense(recording.calibration, options.calibration.empty() ? mav0 : options.calibration);
   const bool whole = options.start_s <= 0 && options.duration_s <= 0;
   if (whole && fs::exists(mav0 + "/order.csv")) recording.order = read_order(mav0 + "/order.csv");
   const bool ordered = !recording.order.empty();
