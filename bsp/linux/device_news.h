@@ -1,8 +1,8 @@
 // What a driver of bsp/linux tells of a device that comes, goes or fails: a line for a person, and
 // the answer to whoever polls it.
 // In      The device's node or name, and what is so; literals or texts that outlive the call.
-// Out     GoneDevice::answer(): kBusFault once every kFaultEvery_ns, kEmpty in between, so that who
-//         asks until there is nothing more comes to an end.
+// Out     GoneDevice::answer(): kBusFault once every kFaultEvery_ns, kEmpty in between, so that a
+//         caller that polls until kEmpty comes to an end.
 // Errors  none. The same news is not told again until something else has happened.
 #pragma once
 

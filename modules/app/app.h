@@ -130,7 +130,7 @@ class App {
   Command executing_;
   bool has_command_ = false;
   bool ending_ = false;  // no more is taken from the sensors
-  bool held_ = false;    // the last look at a replay: it had to wait
+  bool held_ = false;    // may_go_on_ said no when it was last asked
   bool (*may_go_on_)(const App&) = nullptr;
   uint8_t frame_present_ = 0;
   TimeNs door_t_ = 0;          // of the last item handed out

@@ -16,8 +16,8 @@
 
 namespace pirvs {
 
-// Of a recorded run: up to which keyframe mapping had come when the next frame began. False: not
-// known.
+// Of a recorded run: the newest keyframe that mapping had finished when the next frame began.
+// False: not known.
 struct MapDecisions {
   void* context = nullptr;
   bool (*next)(void* context, uint32_t& keyframe) = nullptr;

@@ -1,5 +1,5 @@
-// What others tell the door's core, beside what it asks of cameras and IMU itself: commands, GNSS
-// fixes, wheel samples, edges, and that a sensor is lost or back.
+// The door's inbox, a queue of many producers and one consumer: commands, GNSS fixes, wheel
+// samples, edges, and that a sensor is lost or back. Cameras and IMU are polled instead.
 // In      push(): from any core. Senders hold a lock for the time of one copy.
 // Out     pop(): the oldest, on the door's core, which never waits. A command has the ticket that
 //         its answer names.

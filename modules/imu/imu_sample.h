@@ -16,7 +16,7 @@ inline ImuSample interpolated(const ImuSample& a, const ImuSample& b, TimeNs t) 
   return out;
 }
 
-// One sensor's stamps may be wrong: the sample says no more than a line over such a gap.
+// While stamps may be wrong: the sample with the noise of interpolation over a gap of 0.2 s.
 inline ImuSample doubted(const ImuSample& sample) {
   constexpr float kDoubt_s = 0.2f;
   ImuSample out = sample;

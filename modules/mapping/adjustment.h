@@ -6,7 +6,7 @@
 // Frames  W, B; error order theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  counted: adjustments_failed, no step lowered the cost (nothing is written back);
 //         bundle_full, points left out; observations_removed, outliers.
-// Cost    build() ~0.2 ms; step() ~0.3 ms at most; finish() ~0.1 ms, x86-64. Mapping's core alone.
+// Cost    A slice of mapper.h each: build(), step(), finish(). Mapping's core alone.
 // Source  PIRVS paper, section IV.C; ORB-SLAM's local bundle adjustment for the fixed keyframes;
 //         docs/adr/0007-error-of-the-map.md.
 #pragma once

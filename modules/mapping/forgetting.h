@@ -3,9 +3,9 @@
 // In      the map; `window`, the number of newest keyframes that an adjustment moves.
 // Out     a place in the map's order, or how many points were released.
 // Errors  none.
-// Cost    weigh_keyframes(): kWeighedAtOnce keyframes, ~50 us; the rest one pass over the points,
-//         ~20 us, when there is something to do. Mapping's core alone.
-// Source  own; docs/results.md, "A map that is full".
+// Cost    weigh_keyframes(): the sightings of kWeighedAtOnce keyframes; the others one pass over
+//         the points, when there is something to do. Mapping's core alone.
+// Source  own; docs/results.md, "Long flights".
 #pragma once
 
 #include "modules/mapping/working_map.h"

@@ -4,7 +4,7 @@
 // Frames  W, C.
 // Errors  none; points_rejected counts what has too little parallax or fits too badly, points_full
 //         what found no room.
-// Cost    ~10 us a track. Mapping's core alone.
+// Cost    In the slice of a new keyframe, mapper.h. Mapping's core alone.
 // Source  PIRVS paper, section IV.C; modules/matching/triangulate.h.
 #pragma once
 

@@ -1,9 +1,9 @@
 // The pose at each IMU sample, at once: the newest fused state, integrated over the samples since.
 // In      fuse(): the state after each frame, from tracking's core. add_imu(): every good sample in
 //         order, from the door's core, as soon as the door has accepted it.
-// Out     a Pose at the sample's time but for t_published. While stamps are in doubt, samples count
-//         for as little as in the filter, so that the covariance grows, and there is little
-//         confidence; a body at rest loses nothing by wrong stamps.
+// Out     a Pose at the sample's time but for t_published. While stamps are in doubt, the IMU's
+//         noise is inflated as in the filter, so that the covariance grows, and confidence is
+//         limited; not at rest, where wrong stamps do no harm.
 // Errors  add_imu gives false when there is nothing to give: tracking does not run; time ran back
 //         or stood still for longer than `bridge`, and no state was fused since; the fused state is
 //         older than kHistory samples (anchors_missed); the result is not finite (not_finite).

@@ -6,7 +6,7 @@
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
 //         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a
 //         row for each arrival in its order, so that a replay can follow it (order_row.h).
-//         mav0/maps.csv: for each frame the keyframe up to which mapping had come when it began.
+//         mav0/maps.csv: the newest keyframe that mapping had finished when each frame began.
 // Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
@@ -50,7 +50,7 @@ class Recorder {
   bool started() const { return started_; }
 
   void arrival(const Arrival& arrival);
-  // The frame of time t goes by what mapping had done up to this keyframe.
+  // When tracking began the frame of time t, mapping had finished this keyframe and all before it.
   void decision(TimeNs t, uint32_t keyframe);
   // Room for what the door may ask of the sensors in one step; a replay can wait for it.
   bool has_room() const;
