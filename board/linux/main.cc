@@ -19,6 +19,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/disk_sync.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/storage.h"
 #include "core/base/text.h"
@@ -53,6 +54,7 @@ PoseOutput poses;
 Pins pins;
 StreamOutput stream_output;
 Watchdog watchdog;
+bsp::DiskSync disk_sync;
 Calibration calibration;
 char config_text[kSettingsTextMax];
 char calibration_text[kCalibrationTextMax + kSettingsTextMax];
@@ -293,6 +295,7 @@ bool start_record() {
   if (settings.record.text[0] == 0) return true;
   (void)mkdir(settings.record.text, 0755);  // app.record() tells when this was in vain
   bsp::set_storage_directory(settings.record.text);
+  (void)disk_sync.start(settings.record.text);
   const Status status = app.record();
   if (status != Status::kOk) say(settings.record.text, "cannot record there");
   return status == Status::kOk;
@@ -398,6 +401,7 @@ int run() {
   poses.send(on_pose);
   say_counters();
   poses.close();
+  disk_sync.stop();
   close_pins();
   stream_output.close();
   watchdog.close();

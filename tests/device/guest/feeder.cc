@@ -1,7 +1,8 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults] [icm20602]. With faults, what kFaults lists goes wrong. Runs above all
-// programs and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults] [icm20602] [loops=N]. With faults, what kFaults lists goes wrong. With
+// loops, what comes kLoopFrom_ns after its start is played so often: a flight in circles goes on. Runs
+// above pirvsd and below the kernel's threads for interrupts, which else would miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
@@ -62,6 +63,7 @@ constexpr FaultAt kFaults[] = {
     {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
 };
 bool with_faults = false, icm20602 = false;
+int rounds = 1;
 
 Fault fault_at(uint32_t frame, int camera) {
   for (const FaultAt& fault : kFaults) {
@@ -118,33 +120,90 @@ int16_t counts_of(double value, double scale, Fed& fed) {
   return static_cast<int16_t>(kept);
 }
 
-void feed_imu(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
-  constexpr double kPi = 3.14159265358979323846;
-  const double force = icm20602 ? 8.0 / 32768 * 9.80665
-                                : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
-  const double rate = icm20602 ? 2000.0 / 32768 * kPi / 180
-                               : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
-  const int fd = open("/dev/test_imu", O_WRONLY);
-  if (fd < 0) fail("/dev/test_imu");
-  size_t fault = icm20602 && with_faults ? 0 : std::size(kImuFaults);
-  for (uint32_t i = 0; i < pack.header().imu_count; ++i) {
-    const ImuSample in = pack.imu(i);
+// The items of a recording whose end is played again and again.
+struct Loops {
+  static constexpr TimeNs kLoopFrom_ns = 2'000'000'000;
+  int count = 1;
+  TimeNs from = 0, period = 0;
+};
+
+// One stream of the recording, item by item, through all rounds.
+class Cursor {
+ public:
+  Cursor(uint32_t total, const Loops& loops) : total_(total), loops_(loops) {}
+  template <class TimeOf>
+  bool next(TimeOf time_of, uint32_t& index, TimeNs& t) {
+    if (at_ == total_) {
+      if (++round_ >= loops_.count) return false;
+      at_ = 0;
+      while (at_ < total_ && time_of(at_) < loops_.from) ++at_;
+    }
+    index = at_++;
+    t = time_of(index) + round_ * loops_.period;
+    return true;
+  }
+
+ private:
+  uint32_t total_, at_ = 0;
+  int round_ = 0;
+  Loops loops_;
+};
+
+class ImuFeed {
+ public:
+  ImuFeed(const bsp::Pack& pack, const Loops& loops, TimeNs shift)
+      : pack_(pack), cursor_(pack.header().imu_count, loops), shift_(shift) {
+    constexpr double kPi = 3.14159265358979323846;
+    force_ = icm20602 ? 8.0 / 32768 * 9.80665
+                      : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+    rate_ = icm20602 ? 2000.0 / 32768 * kPi / 180
+                     : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+    fd_ = open("/dev/test_imu", O_WRONLY);
+    if (fd_ < 0) fail("/dev/test_imu");
+    if (!icm20602 || !with_faults) fault_ = std::size(kImuFaults);
+  }
+
+  // All samples up to a time of the recording.
+  void feed(TimeNs until, Fed& fed) {
+    while (ahead_t_ <= until) {
+      uint32_t index = 0;
+      TimeNs t = 0;
+      if (!cursor_.next([this](uint32_t i) { return pack_.imu(i).t; }, index, t)) return;
+      ahead_t_ = t;
+      feed_one(pack_.imu(index), t, fed);
+    }
+  }
+
+ private:
+  void put(const Sample& sample) const {
+    if (write(fd_, &sample, sizeof sample) != sizeof sample) fail("a sample");
+  }
+
+  void feed_one(const ImuSample& in, TimeNs t, Fed& fed) {
     Sample out{};
-    while (fault < std::size(kImuFaults) && in.t > pack.imu(0).t + kImuFaults[fault].after_ns) {
-      out.t_ns = pack.imu(0).t + kImuFaults[fault].after_ns + shift;
-      out.fault = kImuFaults[fault++].what;
-      if (write(fd, &out, sizeof out) != sizeof out) fail("a fault");
+    const TimeNs begin = pack_.imu(0).t;
+    while (fault_ < std::size(kImuFaults) && t > begin + kImuFaults[fault_].after_ns) {
+      out.t_ns = begin + kImuFaults[fault_].after_ns + shift_;
+      out.fault = kImuFaults[fault_++].what;
+      put(out);
       out.fault = 0;
     }
-    out.t_ns = in.t + shift;
+    out.t_ns = t + shift_;
     for (int k = 0; k < 3; ++k) {
-      out.force[k] = counts_of(in.f_B(k), force, fed);
-      out.rate[k] = counts_of(in.w_B(k), rate, fed);
+      out.force[k] = counts_of(in.f_B(k), force_, fed);
+      out.rate[k] = counts_of(in.w_B(k), rate_, fed);
     }
-    if (write(fd, &out, sizeof out) != sizeof out) fail("a sample");
+    put(out);
     ++fed.samples;
   }
-}
+
+  const bsp::Pack& pack_;
+  Cursor cursor_;
+  TimeNs shift_, ahead_t_ = INT64_MIN;
+  double force_ = 0, rate_ = 0;
+  int fd_ = -1;
+  size_t fault_ = 0;
+};
 
 void sleep_until(TimeNs t) {
   const timespec until = {static_cast<time_t>(t / 1'000'000'000), t % 1'000'000'000};
@@ -198,7 +257,9 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
                               fault == Fault::kDark ? kBlack : pixels);
 }
 
-void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
+void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed) {
+  constexpr TimeNs kAhead_ns = 1'000'000'000;  // of the IMU, whose samples wait for their time
+  ImuFeed imu(pack, loops, shift);
   TestCamera cameras[kCamerasMax];
   for (int c = 0; c < kCamerasMax; ++c) {
     char node[32];
@@ -211,14 +272,19 @@ void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
   // Left from before the stream began, in one camera alone.
   constexpr TimeNs kHour_ns = 3'600'000'000'000;
   if (with_faults) (void)cameras[1].show(bsp::now() - kHour_ns, kGood, pack.frame(0).image[1].data);
-  for (uint32_t i = 0; i < pack.header().frame_count; ++i) {
-    const StereoFrame frame = pack.frame(i);
-    sleep_until(frame.t + shift + kTransfer_ns);
+  Cursor cursor(pack.header().frame_count, loops);
+  uint32_t index = 0;
+  TimeNs t = 0;
+  while (cursor.next([&](uint32_t i) { return pack.frame(i).t; }, index, t)) {
+    const StereoFrame frame = pack.frame(index);
+    imu.feed(t + kAhead_ns, fed);
+    sleep_until(t + shift + kTransfer_ns);
     for (int c = 0; c < kCamerasMax; ++c) {
-      feed_image(cameras[c], fault_at(i, c), frame.t + shift, frame.image[c].data, fed);
+      feed_image(cameras[c], fault_at(fed.frames, c), t + shift, frame.image[c].data, fed);
     }
     ++fed.frames;
   }
+  imu.feed(INT64_MAX, fed);
 }
 
 int feed(const char* path) {
@@ -235,8 +301,13 @@ int feed(const char* path) {
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
-  feed_imu(pack, shift, fed);
-  feed_images(pack, shift, fed);
+  const uint32_t frames = pack.header().frame_count;
+  const TimeNs end = 2 * pack.frame(frames - 1).t - pack.frame(frames - 2).t;
+  Loops loops;
+  loops.count = rounds;
+  loops.from = begin + Loops::kLoopFrom_ns;
+  loops.period = end - loops.from;
+  feed_all(pack, loops, shift, fed);
   std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
               fed.refused, fed.clipped);
   return 0;
@@ -250,8 +321,9 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) {
     pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
     pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
+    (void)std::sscanf(argv[i], "loops=%d", &pirvs::rounds);
   }
-  const sched_param urgent{60};
+  const sched_param urgent{46};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   return pirvs::feed(argv[1]);
 }
