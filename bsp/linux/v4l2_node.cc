@@ -79,8 +79,19 @@ Status V4l2Node::look_for_camera() {
   return Status::kOk;
 }
 
+const char* V4l2Node::set_up_stages() {
+  setup_.media.width = setup_.width;
+  setup_.media.height = setup_.height;
+  if (!set_up_media(setup_.media, *calls_, nodes_, stage_fault_)) return stage_fault_.c_str();
+  setup_.event_path = nodes_.events;
+  setup_.controls.sensor = nodes_.sensor;
+  return nullptr;
+}
+
 const char* V4l2Node::open_camera() {
-  fd_ = calls_->open(setup_.path);
+  const bool by_table = setup_.media.table != nullptr;
+  if (const char* const why = by_table ? set_up_stages() : nullptr) return why;
+  fd_ = calls_->open(by_table ? nodes_.video : setup_.path);
   if (fd_ < 0) return why_not_open();
   if (const char* const why = set_format()) return why;
   if (const char* const why = map_buffers()) return why;
@@ -151,9 +162,10 @@ const char* V4l2Node::start() {
   for (int i = 0; i < buffer_count_; ++i) {
     if (!queue(i)) return "the camera refuses its buffers";
   }
-  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
-  has_exposure_control_ =
-      setup_.exposure_ns == 0 && calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0;
+  controls_.open(fd_, setup_.width, setup_.controls, *calls_);
+  exposure_at_ = 0;
+  for (ExposedFrom& exposure : exposures_) exposure = {0, controls_.exposure_ns()};
+  if (controlled_) tell_controls();
   event_fd_ = setup_.event_path[0] != 0 ? calls_->open(setup_.event_path) : fd_;
   v4l2_event_subscription events{};
   events.type = V4L2_EVENT_FRAME_SYNC;
@@ -173,6 +185,7 @@ V4l2Node::~V4l2Node() {
 }
 
 void V4l2Node::close() {
+  controls_.close();
   if (event_fd_ >= 0 && event_fd_ != fd_) calls_->close(event_fd_);
   if (fd_ >= 0) calls_->close(fd_);
   fd_ = event_fd_ = -1;
@@ -244,13 +257,42 @@ bool V4l2Node::find_frame_sync(uint32_t sequence, TimeNs& t) const {
   return false;
 }
 
-TimeNs V4l2Node::exposure() {
-  constexpr TimeNs kUnit_ns = 100'000;  // of the control
+// Images from this one on are exposed as the control says now.
+void V4l2Node::note_exposure(uint32_t sequence) {
+  exposures_[exposure_at_] = {sequence, controls_.exposure_ns()};
+  exposure_at_ = (exposure_at_ + 1) % kExposures;
+}
+
+void V4l2Node::tell_controls() {
+  if (!controls_.takes_exposure()) return;
+  if (!controls_.set(control_)) ++counters_.control_refused;
+  const bool running = has_sequence_;
+  note_exposure(running ? sequence_ + static_cast<uint32_t>(setup_.control_delay) : 0);
+}
+
+void V4l2Node::control(const CameraControl& control) {
+  control_ = control;
+  controlled_ = true;
+  if (is_open()) tell_controls();
+}
+
+// Of the image that is taken. What another program sets is true as soon as it is seen.
+TimeNs V4l2Node::exposure(uint32_t sequence) {
   if (setup_.exposure_ns != 0) return setup_.exposure_ns;
-  if (!has_exposure_control_) return 0;
-  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
-  if (calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0) exposure_ns_ = control.value * kUnit_ns;
-  return exposure_ns_;
+  if (!controls_.takes_exposure()) return 0;
+  if (!controls_.look()) {
+    note_exposure(sequence);
+    const bool ours = controlled_ && control_.exposure_ns != 0;
+    if (ours) {
+      ++counters_.exposure_changed;
+      tell_controls();
+    }
+  }
+  for (int i = 1; i <= kExposures; ++i) {
+    const ExposedFrom& from = exposures_[(exposure_at_ + kExposures - i) % kExposures];
+    if (static_cast<int32_t>(sequence - from.sequence) >= 0) return from.exposure_ns;
+  }
+  return controls_.exposure_ns();
 }
 
 TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
@@ -312,7 +354,7 @@ Status V4l2Node::take(V4l2Image& out) {
     if (has_sequence_ && step - 1 < UINT32_MAX / 2) counters_.lost += step - 1;
     sequence_ = buffer.sequence;
     has_sequence_ = true;
-    exposure_ns_ = exposure();
+    exposure_ns_ = exposure(buffer.sequence);
     const TimeNs t = mid_exposure(buffer, arrival);
     const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
     const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
