@@ -6,6 +6,7 @@
 
 #include "bsp/linux/cores.h"
 #include "bsp/linux/media_graph.h"
+#include "bsp/linux/pixel_format.h"
 #include "modules/app/app.h"
 
 namespace pirvs::board {
@@ -15,6 +16,7 @@ struct LinuxBoard {
   CorePlan plan;
   bsp::CoreSetup cores[bsp::kCoresMax];    // those of the plan, then the recorder's
   const bsp::MediaTable* media = nullptr;  // camera.left = isp:0; nullptr: there are no ISPs
+  bsp::JpegToGrey jpeg = nullptr;
 };
 extern const LinuxBoard kBoard;
 

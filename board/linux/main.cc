@@ -264,6 +264,7 @@ SensorSetup sensors() {
     camera.path = settings.camera[c].text;
     camera.event_path = settings.camera_events[c].text;
     camera.controls.sensor = settings.camera_sensor[c].text;
+    camera.jpeg = kBoard.jpeg;
     if (isp_of(settings.camera[c]) < 0) continue;
     camera.media.table = kBoard.media;
     camera.media.camera = isp_of(settings.camera[c]);

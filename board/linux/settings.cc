@@ -22,6 +22,9 @@ constexpr Choice<bsp::StampClock> kClocks[] = {{"monotonic", bsp::StampClock::kM
 constexpr Choice<bsp::StampMeans> kStamps[] = {{"driver", bsp::StampMeans::kDriver},
                                                {"exposure_start", bsp::StampMeans::kExposureStart},
                                                {"frame_end", bsp::StampMeans::kFrameEnd}};
+constexpr Choice<bsp::GreyRange> kRanges[] = {{"driver", bsp::GreyRange::kDriver},
+                                              {"full", bsp::GreyRange::kFull},
+                                              {"limited", bsp::GreyRange::kLimited}};
 constexpr Choice<TextOutput> kOutputs[] = {
     {"poses", TextOutput::kPoses}, {"frames", TextOutput::kFrames}, {"none", TextOutput::kNone}};
 
@@ -82,6 +85,22 @@ const char* read_clock(std::string_view value, Settings& out) {
 const char* read_stamp(std::string_view value, Settings& out) {
   const bool good = read_choice_of_both(value, kStamps, &bsp::V4l2Setup::means, out);
   return good ? nullptr : "driver, exposure_start or frame_end";
+}
+
+const char* read_range(std::string_view value, Settings& out) {
+  const bool good = read_choice_of_both(value, kRanges, &bsp::V4l2Setup::range, out);
+  return good ? nullptr : "driver, full or limited";
+}
+
+// As V4L2 codes it, four characters, or any.
+const char* read_format(std::string_view value, Settings& out) {
+  uint32_t code = 0;
+  if (value != "any" && value.size() != 4) return "any, or four characters, as GREY, YUYV or MJPG";
+  for (size_t i = 0; value != "any" && i < 4; ++i) {
+    code |= static_cast<uint32_t>(static_cast<uint8_t>(value[i])) << 8 * i;
+  }
+  for (auto& camera : out.stereo.camera) camera.format = code;
+  return nullptr;
 }
 
 const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*field,
@@ -290,6 +309,8 @@ constexpr Key kKeys[] = {
     {"camera.gain_one", read_gain_one},
     {"camera.control_delay", read_delay},
     {"camera.pairing", read_pairing},
+    {"camera.format", read_format},
+    {"camera.range", read_range},
     {"camera.clock", read_clock},
     {"camera.stamp", read_stamp},
     {"camera.exposure_us",

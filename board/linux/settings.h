@@ -7,6 +7,8 @@
 //           camera.pairing = trigger             or stamp: free-running cameras
 //           camera.pair_ms = 1                   how far the stamps of one trigger may differ
 //           camera.period_ms = 50                nominal, for pairing by stamp
+//           camera.format = any                  or a code of V4L2: GREY, YUYV, RGGB, MJPG (pc) ...
+//           camera.range = driver                or full, limited: what black and white are
 //           camera.clock = monotonic             or boottime: of the driver's stamps
 //           camera.stamp = driver                as its flags say; exposure_start, frame_end
 //           camera.exposure = auto               ours, of both; camera: its own; or microseconds

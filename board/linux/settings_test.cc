@@ -18,6 +18,8 @@ TEST(Settings, ReadsAWholeFile) {
   const std::string text = std::string(kWhole) +
                            "camera.pairing = stamp\n"
                            "camera.clock = boottime\n"
+                           "camera.format = YUYV\n"
+                           "camera.range = limited\n"
                            "camera.stamp = frame_end\n"
                            "camera.exposure_us = 4000\n"
                            "camera.readout_us = 12500.5\n"
@@ -59,6 +61,8 @@ TEST(Settings, ReadsAWholeFile) {
   for (const auto& camera : out.stereo.camera) {
     EXPECT_EQ(camera.clock, bsp::StampClock::kBoottime);
     EXPECT_EQ(camera.means, bsp::StampMeans::kFrameEnd);
+    EXPECT_EQ(camera.format, 0x5659'5559u) << "the first character is the lowest byte";
+    EXPECT_EQ(camera.range, bsp::GreyRange::kLimited);
     EXPECT_EQ(camera.exposure_ns, 4'000'000);
     EXPECT_EQ(camera.readout_ns, 12'500'500);
     EXPECT_EQ(camera.controls.gain_one, 16);
@@ -85,6 +89,8 @@ TEST(Settings, EachBrokenLineIsNamed) {
       {"camera.left = /dev/video1", "the key stands there twice"},
       {"camera.pairing = arrival", "trigger or stamp"},
       {"camera.clock = realtime", "monotonic or boottime"},
+      {"camera.format = JPEG2", "any, or four characters, as GREY, YUYV or MJPG"},
+      {"camera.range = wide", "driver, full or limited"},
       {"camera.stamp = mid", "driver, exposure_start or frame_end"},
       {"camera.exposure_us = -1", "not a time, or too long a one"},
       {"camera.readout_us = 1e9", "not a time, or too long a one"},

@@ -43,6 +43,7 @@ struct FakeCamera {
   bool plugged = true, streaming = false;
   uint32_t format = V4L2_PIX_FMT_GREY, buffers_granted = 32;
   int bytes_per_pixel = 1;
+  uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
   std::map<uint32_t, FakeControl> controls;
   int64_t pixel_rate = 0;
   uint32_t sensor_width = 0;  // of its subdev
@@ -58,11 +59,17 @@ struct FakeCamera {
   uint32_t without_buffer = 0;  // shots that no buffer was there for
 
   size_t size() const { return kBytes * size_t(bytes_per_pixel); }
+  // Whose every byte is the grey.
+  bool is_plain() const {
+    return format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_SGBRG8 ||
+           format == V4L2_PIX_FMT_RGB24 || format == V4L2_PIX_FMT_MJPEG;
+  }
   // One grey all over, in any format; colour and lower bits are noise.
   void fill(std::vector<uint8_t>& to, uint8_t grey) const {
     for (size_t i = 0; i < to.size(); ++i) to[i] = uint8_t(i * 37);
     for (size_t i = 0; i < kBytes; ++i) {
       uint8_t* const pixel = &to[i * size_t(bytes_per_pixel)];
+      for (int k = 0; k < bytes_per_pixel && is_plain(); ++k) pixel[k] = grey;
       if (format == V4L2_PIX_FMT_GREY || format == V4L2_PIX_FMT_YUYV) pixel[0] = grey;
       if (format == V4L2_PIX_FMT_UYVY || format == V4L2_PIX_FMT_Y16) pixel[1] = grey;
       if (format == V4L2_PIX_FMT_Y10) pixel[0] = uint8_t(grey << 2 | 3);
@@ -174,6 +181,7 @@ inline int set_format(const FakeCamera& camera, v4l2_pix_format& pix) {
   pix.height = kHeight;
   pix.pixelformat = camera.format;
   pix.bytesperline = uint32_t(kWidth * camera.bytes_per_pixel);
+  pix.quantization = camera.quantization;
   return 0;
 }
 

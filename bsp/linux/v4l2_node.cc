@@ -7,24 +7,10 @@
 #include <algorithm>
 
 #include "bsp/api/clock.h"
-#include "core/kernels/grey/grey.h"
 
 namespace pirvs::bsp {
 
-struct PixelFormat {
-  uint32_t code;
-  int bytes;  // of a pixel
-  int first;  // of the bytes that say its grey
-  int shift;  // of grey in words; -1: pairs, the luma is a byte
-};
-
 namespace {
-
-// In the order in which they are asked for.
-constexpr PixelFormat kFormats[] = {
-    {V4L2_PIX_FMT_GREY, 1, 0, 0}, {V4L2_PIX_FMT_YUYV, 2, 0, -1}, {V4L2_PIX_FMT_UYVY, 2, 1, -1},
-    {V4L2_PIX_FMT_Y10, 2, 0, 2},  {V4L2_PIX_FMT_Y12, 2, 0, 4},   {V4L2_PIX_FMT_Y16, 2, 0, 8},
-};
 
 constexpr TimeNs kSecond_ns = 1'000'000'000;
 
@@ -105,7 +91,9 @@ const char* V4l2Node::set_format() {
   const uint32_t can =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
   if ((can & kNeeded) != kNeeded) return "not a camera that streams by V4L2";
-  for (const PixelFormat& wanted : kFormats) {
+  for (const PixelFormat& wanted : pixel_formats()) {
+    if (setup_.format != 0 && wanted.code != setup_.format) continue;
+    if (wanted.is_jpeg() && setup_.jpeg == nullptr) continue;
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     v4l2_pix_format& pix = format.fmt.pix;
@@ -123,10 +111,13 @@ const char* V4l2Node::set_format() {
                           pix.pixelformat == wanted.code;
     if (!as_asked) continue;
     format_ = &wanted;
-    stride_ = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
-    return wanted.bytes == 1 ? nullptr : map_grey();
+    const int stride = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
+    stride_ = wanted.is_jpeg() ? 0 : stride;
+    limited_ = setup_.range == GreyRange::kDriver ? pix.quantization == V4L2_QUANTIZATION_LIM_RANGE
+                                                  : setup_.range == GreyRange::kLimited;
+    return lends_as_it_is() ? nullptr : map_grey();
   }
-  return "the camera cannot give the calibration's size as grey or YUYV";
+  return "the camera cannot give the calibration's size in a format that can be made grey";
 }
 
 // Once: a camera that comes back uses it again.
@@ -319,18 +310,13 @@ TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
 
 // ---- images ------------------------------------------------------------------------------------
 
-// The image of a buffer, which is made grey if it is not.
-const uint8_t* V4l2Node::grey_of(int buffer) {
-  const uint8_t* const data = buffers_[buffer].data;
-  if (format_->bytes == 1) return data;
-  const RawImage raw = {data + format_->first, stride_, setup_.width, setup_.height};
-  uint8_t* const out = grey_ + grey_bytes() / kBuffers * static_cast<size_t>(buffer);
-  if (format_->shift < 0) {
-    grey_from_pairs(raw, out, setup_.width);
-  } else {
-    grey_from_words(raw, format_->shift, out, setup_.width);
-  }
-  return out;
+// The image of a buffer, which is made grey if it is not. nullptr: it is broken.
+const uint8_t* V4l2Node::grey_of(const v4l2_buffer& buffer) {
+  const uint8_t* const data = buffers_[buffer.index].data;
+  if (lends_as_it_is()) return data;
+  const RawBuffer raw = {data, buffer.bytesused, stride_, setup_.width, setup_.height, limited_};
+  uint8_t* const out = grey_ + grey_bytes() / kBuffers * size_t{buffer.index};
+  return make_grey(*format_, raw, setup_.jpeg, out) ? out : nullptr;
 }
 
 Status V4l2Node::take(V4l2Image& out) {
@@ -357,23 +343,20 @@ Status V4l2Node::take(V4l2Image& out) {
     exposure_ns_ = exposure(buffer.sequence);
     const TimeNs t = mid_exposure(buffer, arrival);
     const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
-    const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
-    const bool stale = t < started_t_;
+    bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
+    const bool stale = !damaged && t < started_t_;
+    const uint8_t* const grey = damaged || stale ? nullptr : grey_of(buffer);
+    damaged |= grey == nullptr && !stale;
     if (damaged) ++counters_.damaged;
-    if (!damaged && stale) ++counters_.stale;
-    if (damaged || stale) {
+    if (stale) ++counters_.stale;
+    if (grey == nullptr) {
       (void)queue(index);
       continue;
     }
     buffers_[index].lent = true;
     ++counters_.images;
-    out = {grey_of(index),
-           format_->bytes == 1 ? stride_ : setup_.width,
-           t,
-           arrival,
-           exposure_ns_,
-           buffer.sequence,
-           index};
+    const int stride = lends_as_it_is() ? stride_ : setup_.width;
+    out = {grey, stride, t, arrival, exposure_ns_, buffer.sequence, index};
     return Status::kOk;
   }
 }

@@ -1,5 +1,5 @@
 // One camera by V4L2: its buffers mapped once, its images lent as they lie there, where they are
-// 8-bit grey. YUYV, UYVY and grey of 10, 12 or 16 bits are made 8-bit grey in memory of our own.
+// 8-bit grey. What else pixel_format.h knows is made 8-bit grey in memory of our own.
 // In      configure(), then take() and fd() from one core; give_back() from any.
 // Out     take(): the oldest image. t: the middle of its exposure on CLOCK_MONOTONIC, from what is
 //         known best: V4L2_EVENT_FRAME_SYNC of the same sequence (a frame begins to arrive when its
@@ -12,7 +12,7 @@
 // Units   ns, pixels.
 // Errors  take: kEmpty: nothing now. kBusFault: there is no camera: missing, busy, no such format,
 //         or unplugged; DeviceNews says which, once, and every kRetry_ns it is looked for again.
-//         Images with V4L2_BUF_FLAG_ERROR, too short ones, and stale ones (stamped before the
+//         Images with V4L2_BUF_FLAG_ERROR, too short ones, broken JPEGs, and stale ones (stamped before the
 //         stream began) are counted and given back. A camera that is gone while images are lent
 //         keeps their memory until the last one is back.
 // Cost    A system call an image, one to read its exposure, another to queue its buffer again at
@@ -25,6 +25,7 @@
 #include "bsp/api/camera.h"
 #include "bsp/linux/device_news.h"
 #include "bsp/linux/media_graph.h"
+#include "bsp/linux/pixel_format.h"
 #include "bsp/linux/system_calls.h"
 #include "bsp/linux/v4l2_controls.h"
 #include "core/base/counter.h"
@@ -37,6 +38,9 @@ enum class StampClock : uint8_t { kMonotonic, kBoottime };  // rkisp1 uses the l
 // What the buffer's stamp is the time of; kDriver: as its flags say.
 enum class StampMeans : uint8_t { kDriver, kExposureStart, kFrameEnd };
 
+// kDriver: full, unless the driver says limited.
+enum class GreyRange : uint8_t { kDriver, kFull, kLimited };
+
 struct V4l2Setup {
   const char* path = "";
   // Instead of path (which then is its name for people), event_path and controls.sensor: the stages
@@ -44,6 +48,9 @@ struct V4l2Setup {
   MediaRequest media;
   const char* event_path = "";  // of FRAME_SYNC where the video node has none: /dev/v4l-subdevN
   int width = 0, height = 0;
+  uint32_t format = 0;  // as V4L2 codes it; 0: the cheapest that the camera has
+  GreyRange range = GreyRange::kDriver;
+  JpegToGrey jpeg = nullptr;
   StampClock clock = StampClock::kMonotonic;
   StampMeans means = StampMeans::kDriver;
   TimeNs exposure_ns = 0;  // 0: as the camera's control says, if it has one
@@ -51,8 +58,6 @@ struct V4l2Setup {
   V4l2ControlSetup controls;
   int control_delay = 2;  // images from a command to the first that it is true of
 };
-
-struct PixelFormat;  // one that can be made grey
 
 struct V4l2Image {
   const uint8_t* data = nullptr;
@@ -129,7 +134,8 @@ class V4l2Node {
   size_t grey_bytes() const {
     return size_t{kBuffers} * static_cast<size_t>(setup_.width * setup_.height);
   }
-  const uint8_t* grey_of(int buffer);
+  bool lends_as_it_is() const { return format_->is_grey() && !limited_; }
+  const uint8_t* grey_of(const ::v4l2_buffer& buffer);
   const char* map_buffers();
   const char* start();
   bool queue(int buffer);
@@ -156,7 +162,8 @@ class V4l2Node {
   CameraControl control_;
   bool controlled_ = false;
   const PixelFormat* format_ = nullptr;
-  int stride_ = 0;           // of the camera's buffers
+  bool limited_ = false;
+  int stride_ = 0;           // of the camera's buffers; 0: JPEG has none
   uint8_t* grey_ = nullptr;  // an image for each buffer, if the camera's are not grey
   TimeNs started_t_ = 0, retry_t_ = 0;
   TimeNs exposure_ns_ = 0;

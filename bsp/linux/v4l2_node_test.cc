@@ -52,10 +52,13 @@ TEST_F(V4l2NodeTest, LendsTheCamerasOwnMemory) {
 
 TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
   for (const uint32_t format :
-       {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y16}) {
+       {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_NV12,
+        V4L2_PIX_FMT_SGBRG8, V4L2_PIX_FMT_RGB24}) {
     kernel = FakeKernel{};
     camera().format = format;
     camera().bytes_per_pixel = 2;
+    if (format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_SGBRG8) camera().bytes_per_pixel = 1;
+    if (format == V4L2_PIX_FMT_RGB24) camera().bytes_per_pixel = 3;
     V4l2Node node;
     node.configure(setup_of(0), kNews, kFake);
     V4l2Image images[2];
@@ -70,6 +73,56 @@ TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
       node.give_back(images[i].buffer);
     }
   }
+}
+
+TEST_F(V4l2NodeTest, TheRangeOfVideoIsStretchedWhereItIsToldOrSet) {
+  const struct {
+    uint32_t told;
+    GreyRange set;
+    int grey;  // of 126
+  } cases[] = {{V4L2_QUANTIZATION_DEFAULT, GreyRange::kDriver, 126},
+               {V4L2_QUANTIZATION_LIM_RANGE, GreyRange::kDriver, 128},
+               {V4L2_QUANTIZATION_LIM_RANGE, GreyRange::kFull, 126},
+               {V4L2_QUANTIZATION_FULL_RANGE, GreyRange::kLimited, 128}};
+  for (const auto& c : cases) {
+    for (const uint32_t format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV}) {
+      kernel = FakeKernel{};
+      camera().format = format;
+      camera().bytes_per_pixel = format == V4L2_PIX_FMT_GREY ? 1 : 2;
+      camera().quantization = c.told;
+      V4l2Setup setup = setup_of(0);
+      setup.range = c.set;
+      V4l2Node node;
+      node.configure(setup, kNews, kFake);
+      V4l2Image image;
+      ASSERT_EQ(node.take(image), Status::kEmpty);
+      camera().shoot({now(), 0, 126});
+      ASSERT_EQ(node.take(image), Status::kOk);
+      EXPECT_EQ(image.data[kBytes - 1], c.grey);
+      node.give_back(image.buffer);
+    }
+  }
+}
+
+TEST_F(V4l2NodeTest, ABrokenJpegIsCountedAndTheNextOneShown) {
+  camera().format = V4L2_PIX_FMT_MJPEG;
+  V4l2Setup setup = setup_of(0);
+  // One whose bytes are all 13 is broken.
+  setup.jpeg = [](const uint8_t* data, size_t size, int width, int height, uint8_t* out) {
+    if (data[0] == 13) return false;
+    EXPECT_EQ(size, kBytes - 7);
+    std::fill(out, out + width * height, data[0]);
+    return true;
+  };
+  start(setup);
+  Shot jpeg = {begin_ + kMs, 0, 13};
+  jpeg.cut = 7;
+  camera().shoot(jpeg);
+  jpeg.sequence = 1;
+  jpeg.grey = 80;
+  EXPECT_EQ(shot(jpeg).data[5], 80);
+  EXPECT_EQ(node_.counters().damaged, 1u);
+  EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers} - 1) << "it went back";
 }
 
 TEST_F(V4l2NodeTest, EveryKindOfStampBecomesTheMiddleOfTheExposure) {
@@ -264,7 +317,7 @@ TEST_F(V4l2NodeTest, SaysOnceWhyThereIsNoCamera) {
       {"another program has the camera, waiting for it",
        [](FakeCamera& c) { c.open_error = EBUSY; }},
       {"no permission to use the camera", [](FakeCamera& c) { c.open_error = EACCES; }},
-      {"the camera cannot give the calibration's size as grey or YUYV",
+      {"the camera cannot give the calibration's size in a format that can be made grey",
        [](FakeCamera& c) { c.format = V4L2_PIX_FMT_MJPEG; }},
       {"the camera has no memory", [](FakeCamera& c) { c.buffers_granted = 3; }},
   };
