@@ -14,7 +14,7 @@
 
 namespace pirvs::bsp {
 
-// Decodes the luma of a JPEG of this very size into rows of `width` bytes; a board's, if it has one.
+// Decodes the luma of a JPEG of this very size into rows of `width` bytes; a board may have one.
 using JpegToGrey = bool (*)(const uint8_t* data, size_t size, int width, int height, uint8_t* out);
 
 struct PixelFormat {

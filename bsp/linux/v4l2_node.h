@@ -12,9 +12,9 @@
 // Units   ns, pixels.
 // Errors  take: kEmpty: nothing now. kBusFault: there is no camera: missing, busy, no such format,
 //         or unplugged; DeviceNews says which, once, and every kRetry_ns it is looked for again.
-//         Images with V4L2_BUF_FLAG_ERROR, too short ones, broken JPEGs, and stale ones (stamped before the
-//         stream began) are counted and given back. A camera that is gone while images are lent
-//         keeps their memory until the last one is back.
+//         Images with V4L2_BUF_FLAG_ERROR, too short ones, broken JPEGs, and stale ones (stamped
+//         before the stream began) are counted and given back. A camera that is gone while images
+//         are lent keeps their memory until the last one is back.
 // Cost    A system call an image, one to read its exposure, another to queue its buffer again at
 //         the next take(). No copy of 8-bit grey; of the others that of core/kernels/grey.
 // Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
