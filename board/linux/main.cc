@@ -383,6 +383,10 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
+  if (const char* const why = start_trigger(settings.trigger)) {
+    say("trigger", why);
+    return kExitBadInput;
+  }
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
     say(settings.watchdog.text, why);
@@ -392,10 +396,6 @@ int run() {
     if (why != nullptr) say("output.stream", why);
   }
   wire_sensors(sensors());
-  if (const char* const why = start_trigger(settings.trigger)) {
-    say("trigger", why);
-    return kExitBadInput;
-  }
   const bool started = app.start(kBoard.plan, Drive::kTimed) == Status::kOk;
   if (!started) say("cores", "a thread could not be started");
   if (const char* const why = bsp::core_refusals()) say(kBoard.name, why);

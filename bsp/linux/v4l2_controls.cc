@@ -15,7 +15,8 @@ constexpr double kSecond_ns = 1e9;
 
 int32_t V4l2Controls::Code::nearest(double value) const {
   const double steps = (value / unit - min) / step;
-  const double inside = std::clamp(steps, 0.0, static_cast<double>((max - min) / step));
+  const int32_t steps_max = (max - min) / step;
+  const double inside = std::clamp(steps, 0.0, static_cast<double>(steps_max));
   return min + static_cast<int32_t>(inside + 0.5) * step;
 }
 

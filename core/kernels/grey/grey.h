@@ -14,7 +14,8 @@
 //         Reads exactly 2 * width - 1 bytes of a row of pairs, 2 * width of a row of words,
 //         3 * width of a row of RGB, width of the others.
 // Errors  None. Asserts the size and that shift is 0 to 8. Beyond 16 and 235: 0 and 255.
-// Cost    752 x 480, x86-64 (make bench K=grey): pairs 0.013 ms, words 0.05 ms.
+// Cost    752 x 480, x86-64 (make bench K=grey): pairs 0.013 ms, words 0.05 ms, bayer
+//         0.12 ms, rgb 0.31 ms (by SIMDe's vld3), limited 0.07 ms.
 // Goal    A72 cycles: grey_from_pairs 1 a pixel, grey_from_words 1.2 a pixel.
 // Source  V4L2, "YUV Formats", "Luma-Only Formats": V4L2_PIX_FMT_YUYV, UYVY, Y10, Y12, Y16;
 //         ITU-R BT.601 for the weights of red, green and blue and for the limited range.

@@ -1,4 +1,4 @@
-// Goal (x86-64): pairs 0.015 ms, words 0.05 ms.
+// Goal (x86-64): pairs 0.015 ms, words 0.05 ms, bayer 0.13 ms, rgb 0.35 ms, limited 0.08 ms.
 #include "core/kernels/grey/grey.h"
 
 #include <opencv2/imgproc.hpp>
