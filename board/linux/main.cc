@@ -203,6 +203,10 @@ bool read_command_line(int argc, char** argv) {
     }
     if (!take_option(argv[at], argv[at + 1])) return false;
   }
+  if (kBoard.media == nullptr && isp_of(settings.camera[0]) >= 0) {
+    return say_fault("settings", {0, "this board has no ISPs, name a video node", "camera.left"});
+  }
+  finish_settings(settings);
   const ConfigFault fault = find_missing(settings);
   return !fault || say_fault("settings", fault);
 }
@@ -261,8 +265,14 @@ SensorSetup sensors() {
     bsp::V4l2Setup& camera = out.stereo.camera[c];
     camera.path = settings.camera[c].text;
     camera.event_path = settings.camera_events[c].text;
+    camera.controls.sensor = settings.camera_sensor[c].text;
+    camera.jpeg = kBoard.jpeg;
     camera.width = calibration.camera[c].width;
     camera.height = calibration.camera[c].height;
+    if (isp_of(settings.camera[c]) < 0) continue;
+    camera.media.table = kBoard.media;
+    camera.media.camera = isp_of(settings.camera[c]);
+    camera.clock = bsp::StampClock::kBoottime;  // rkisp1's, whatever its flags say
   }
   out.iio = settings.iio;
   out.iio.device = settings.imu.text;
@@ -374,6 +384,10 @@ int run() {
   if (!start_record()) return kExitBadInput;
   if (poses.configure(settings, app.poses()) != Status::kOk) {
     say("output.poses", "no socket for the datagrams");
+    return kExitBadInput;
+  }
+  if (const char* const why = start_trigger(settings.trigger)) {
+    say("trigger", why);
     return kExitBadInput;
   }
   open_pins();
