@@ -3,16 +3,22 @@
 # modules come from that it shares with other boards: shared_objects(sources).
 #
 #   sources   *.cc below core, modules, bsp/linux, board/linux, board/$(BOARD); no tests
+#   pirvs-usb *.cc below board/usb, and what they need of core and bsp/linux
 LINUX_SRC := $(filter-out %_test.cc %_bench.cc,\
-  $(call find_cc,core modules bsp/linux board/linux board/$(BOARD)))
+  $(call find_cc,core modules bsp/linux board/linux board/$(BOARD))) board/usb/usb_settings.cc
 LINUX_SHARED := $(filter core/% modules/%,$(LINUX_SRC))
 LINUX_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(filter-out $(LINUX_SHARED),$(LINUX_SRC))) \
   $(call shared_objects,$(LINUX_SHARED))
 
+USB_SRC := $(filter-out %_test.cc,$(call find_cc,board/usb core/base core/config)) \
+  $(addprefix bsp/linux/,assert.cc clock.cc console.cc system_calls.cc text_file.cc)
+USB_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(filter-out core/%,$(USB_SRC))) \
+  $(call shared_objects,$(filter core/%,$(USB_SRC)))
+
 LINUX := $(MACHINE) -ffunction-sections -fdata-sections -fno-pic
 LINUX_LINK := -static -no-pie -Wl,--gc-sections,--build-id=none
 
-all: $(OUT)/pirvsd ## build the device program, build/BOARD/pirvsd
+all: $(OUT)/pirvsd $(OUT)/pirvs-usb ## build the device programs, build/BOARD/pirvsd and pirvs-usb
 
 size: $(OUT)/pirvsd ## code, constants and static memory of the program
 	@$(BINUTILS)size $<
@@ -27,11 +33,15 @@ $(OUT)/obj/%.o: %.cc Makefile make/linux.mk board/$(BOARD)/board.mk | $(BUILD)/s
 
 $(OUT)/sources.list: FORCE
 	@mkdir -p $(@D)
-	@echo "$(LINUX_SRC)" | cmp -s - $@ || echo "$(LINUX_SRC)" > $@
+	@echo "$(LINUX_SRC) $(USB_SRC)" | cmp -s - $@ || echo "$(LINUX_SRC) $(USB_SRC)" > $@
 
 $(OUT)/pirvsd: $(LINUX_OBJ) $(OUT)/sources.list
 	@echo "link $@"
 	@$(CXX_LINUX) $(LINUX_LINK) $(LINUX_OBJ) -o $@.$$$$ && mv $@.$$$$ $@
+
+$(OUT)/pirvs-usb: $(USB_OBJ) $(OUT)/sources.list
+	@echo "link $@"
+	@$(CXX_LINUX) $(LINUX_LINK) $(USB_OBJ) -o $@.$$$$ && mv $@.$$$$ $@
 
 # What plays a recording to pirvsd in its test (make test-device).
 FEEDER_SRC := tests/device/guest/feeder.cc bsp/replay/pack.cc bsp/replay/replay.cc
@@ -41,6 +51,13 @@ $(BUILD)/device/feeder: $(FEEDER_OBJ)
 	@mkdir -p $(@D)
 	@$(CXX_LINUX) $(LINUX_LINK) $(FEEDER_OBJ) -o $@
 
+# The PC at the other end of USB, in its test.
+PEER_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,tests/device/guest/usb_peer.cc \
+  $(filter-out tests/%/feeder.cc,$(FEEDER_SRC)) $(addprefix bsp/linux/,assert.cc clock.cc events.cc))
+$(BUILD)/device/usb_peer: $(PEER_OBJ)
+	@mkdir -p $(@D)
+	@$(CXX_LINUX) $(LINUX_LINK) $(PEER_OBJ) -o $@
+
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
--include $(patsubst %.o,%.d,$(filter %.o,$(LINUX_OBJ) $(FEEDER_OBJ)))
+-include $(patsubst %.o,%.d,$(filter %.o,$(LINUX_OBJ) $(USB_OBJ) $(FEEDER_OBJ) $(PEER_OBJ)))
 endif

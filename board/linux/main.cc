@@ -9,7 +9,9 @@
 #include <cstring>
 
 #include "board/linux/board.h"
+#include "board/linux/image_share.h"
 #include "board/linux/pose_output.h"
+#include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
 #include "board/linux/wiring.h"
 #include "bsp/api/clock.h"
@@ -44,6 +46,8 @@ constexpr const char* kHelp =
 App app;
 Settings settings;
 PoseOutput poses;
+SerialLink serial;
+ImageShare images;
 Calibration calibration;
 char config_text[kSettingsTextMax];
 char calibration_text[kCalibrationTextMax + kSettingsTextMax];
@@ -71,6 +75,8 @@ void say(const char* where, const char* what) {
 void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
+
+void on_answer(void*, const Answer& answer) { serial.answer(answer); }
 
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   constexpr int kMillis = 3;
@@ -230,6 +236,7 @@ SensorSetup sensors() {
   out.imu.device = settings.imu.text;
   out.news.tell = on_news;
   out.core = kBoard.plan.door;
+  if (images.is_open()) out.frame = [](const StereoFrame& frame) { images.frame(frame); };
   return out;
 }
 
@@ -276,6 +283,36 @@ void say_counters() {
   say_latency("exposure_to_fused", app.latency().exposure_to_fused.summary());
 }
 
+// ` name=value` of what is not zero.
+void put_counters(void*, TextWriter& out) {
+  NamedValue values[kCountersMax];
+  const int count = app.counters(values, kCountersMax);
+  for (int i = 0; i < count; ++i) {
+    if (values[i].value == 0) continue;
+    out.put(' ').put(values[i].name).put('=').unsigned_number(values[i].value);
+  }
+}
+
+void start_links() {
+  const auto command = [](void*, const Command& command) { return app.command(command); };
+  serial.configure(settings.serial.text, {nullptr, command, put_counters});
+  if (serial.wanted()) poses.also([](const TextWriter& line) { serial.pose(line); });
+  if (settings.images.text[0] == 0) return;
+  const Camera& camera = calibration.camera[0];
+  const Status status =
+      images.open(settings.images.text, calibration.cameras, camera.width, camera.height);
+  if (status != Status::kOk) say(settings.images.text, "images cannot be given out there");
+}
+
+void end_links() {
+  for_each_counter(serial.counters(), kSerialLinkRows,
+                   [](const char* name, uint32_t value) { say_counter("serial", name, value); });
+  for_each_counter(images.counters(), kImageShareRows,
+                   [](const char* name, uint32_t value) { say_counter("images", name, value); });
+  serial.close();
+  images.close();
+}
+
 void stop_when_wanted(bool& asked) {
   if (stop_wanted == 0 || asked) return;
   Command stop;
@@ -288,6 +325,7 @@ int run() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.answer = on_answer;
   app.configure(calibration, settings.params, sinks);
   app.set_clock(bsp::now);
   if (!start_record()) return kExitBadInput;
@@ -295,6 +333,7 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
+  start_links();
   wire_sensors(sensors());
   const bool started = app.start(kBoard.plan, Drive::kTimed) == Status::kOk;
   if (!started) say("cores", "a thread could not be started");
@@ -302,11 +341,13 @@ int run() {
   bool asked_to_stop = false;
   while (started && app.poll() != Status::kStale) {
     poses.send();
+    serial.poll(bsp::now());
     stop_when_wanted(asked_to_stop);
   }
   (void)app.finish();  // a run that never found a start is no failure of the program
   poses.send();
   say_counters();
+  end_links();
   poses.close();
   unwire_sensors();
   return started ? kExitDone : kExitFailed;

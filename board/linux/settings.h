@@ -17,6 +17,9 @@
 //           imu.delay_us = 0                     of the chip's filter, taken off the stamp
 //           output.text = poses                  or frames, none: lines on standard output
 //           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
+//           output.serial = /dev/ttyGS0          the same lines, and commands (text_commands.h)
+//           output.images = /run/pirvs/images    to one other program that asks (image_share.h)
+//           usb.NAME = VALUE                     pirvs-usb's (board/usb/usb_settings.h)
 //           record = DIR                         everything sensed, as an ASL folder
 //           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
 //           parameter.GROUP.NAME = VALUE         as pirvs params lists them
@@ -51,6 +54,7 @@ struct Settings {
   TextOutput text = TextOutput::kPoses;
   bool has_poses_to = false;
   bsp::Endpoint poses_to;
+  SettingText serial, images;
   SettingText record;
   bool realtime = true;
   AppParams params;

@@ -11,6 +11,7 @@ bsp::V4l2Stereo stereo;
 bsp::IioImu imu;
 TimeNs next_tick = 0;
 int door_core = 0;
+void (*on_frame)(const StereoFrame&) = nullptr;
 
 // One descriptor that may end the wait of the door's core.
 class Waited {
@@ -30,6 +31,7 @@ Waited camera_waited[kCamerasMax], imu_waited;
 
 void board::wire_sensors(const SensorSetup& setup) {
   door_core = setup.core;
+  on_frame = setup.frame;
   stereo.configure(setup.stereo, setup.news);
   imu.configure(setup.imu, setup.news);
 }
@@ -65,6 +67,7 @@ Status imu_temperature(float&) { return Status::kNotFound; }
 
 Status camera_poll(StereoFrame& out) {
   const Status status = stereo.poll(out);
+  if (status == Status::kOk && on_frame != nullptr) on_frame(out);
   for (int c = 0; c < kCamerasMax; ++c) {
     camera_waited[c].set(status == Status::kEmpty ? stereo.fd_to_wait_for(c) : -1);
   }

@@ -17,6 +17,7 @@ struct SensorSetup {
   bsp::V4l2StereoSetup stereo;
   bsp::IioSetup imu;
   bsp::DeviceNews news;
+  void (*frame)(const StereoFrame&) = nullptr;  // each one, while its images are valid
   int core = 0;
 };
 

@@ -1,7 +1,8 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults]. With faults, what kFaults lists goes wrong. Runs above all programs
-// and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults | loop SECONDS]. With faults, what kFaults lists goes wrong. In a loop a
+// recording of a device at rest is played for so long, its end followed by its begin. Runs above all
+// programs and above the kernel's threads for interrupts.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it.
@@ -97,12 +98,13 @@ int16_t counts_of(double value, double scale, Fed& fed) {
   return static_cast<int16_t>(kept);
 }
 
-void feed_imu(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
-  const double force = read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
-  const double rate = read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
-  const int fd = open("/dev/test_imu", O_WRONLY);
+// The samples before `end`.
+void feed_imu(const bsp::Pack& pack, TimeNs shift, TimeNs end, Fed& fed) {
+  static const double force = read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+  static const double rate = read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+  static const int fd = open("/dev/test_imu", O_WRONLY);
   if (fd < 0) fail("/dev/test_imu");
-  for (uint32_t i = 0; i < pack.header().imu_count; ++i) {
+  for (uint32_t i = 0; i < pack.header().imu_count && pack.imu(i).t < end; ++i) {
     const ImuSample in = pack.imu(i);
     Sample out{};
     out.t_ns = in.t + shift;
@@ -165,8 +167,12 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
   fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood, pixels);
 }
 
-void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
-  TestCamera cameras[kCamerasMax];
+struct TestCameras {
+  TestCamera of[kCamerasMax];
+};
+
+void open_cameras(const bsp::Pack& pack, TestCameras& out) {
+  auto& cameras = out.of;
   for (int c = 0; c < kCamerasMax; ++c) {
     char node[32];
     std::snprintf(node, sizeof node, "/dev/test_camera%d", c);
@@ -175,6 +181,10 @@ void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
     const Camera camera = pack.camera(c);
     cameras[c].bytes = static_cast<size_t>(camera.width * camera.height);
   }
+}
+
+void feed_images(const bsp::Pack& pack, TimeNs shift, TestCameras& all, Fed& fed) {
+  auto& cameras = all.of;
   // Left from before the stream began, in one camera alone.
   constexpr TimeNs kHour_ns = 3'600'000'000'000;
   if (with_faults) (void)cameras[1].show(bsp::now() - kHour_ns, kGood, pack.frame(0).image[1].data);
@@ -188,7 +198,24 @@ void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
   }
 }
 
-int feed(const char* path) {
+// The recording's time from its begin to where it begins anew: whole periods of images and samples,
+// from the first image on.
+TimeNs length_of_loop(const bsp::Pack& pack) {
+  const uint32_t last = pack.header().frame_count - 1;
+  const TimeNs shown = pack.frame(last).t - pack.frame(0).t;
+  return shown + shown / last;
+}
+
+void feed_loop(const bsp::Pack& pack, TimeNs shift, double seconds, TestCameras& cameras,
+               Fed& fed) {
+  const TimeNs length = length_of_loop(pack), end = pack.imu(0).t + length;
+  for (TimeNs done = 0; done < from_seconds(seconds); done += length) {
+    feed_imu(pack, shift + done, end, fed);
+    feed_images(pack, shift + done, cameras, fed);
+  }
+}
+
+int feed(const char* path, double loop_s) {
   const int fd = open(path, O_RDONLY);
   const off_t size = lseek(fd, 0, SEEK_END);
   if (fd < 0 || size <= 0) fail(path);
@@ -202,8 +229,14 @@ int feed(const char* path) {
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
-  feed_imu(pack, shift, fed);
-  feed_images(pack, shift, fed);
+  TestCameras cameras;
+  open_cameras(pack, cameras);
+  if (loop_s > 0) {
+    feed_loop(pack, shift, loop_s, cameras, fed);
+  } else {
+    feed_imu(pack, shift, INT64_MAX, fed);
+    feed_images(pack, shift, cameras, fed);
+  }
   std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
               fed.refused, fed.clipped);
   return 0;
@@ -215,7 +248,8 @@ int feed(const char* path) {
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
   pirvs::with_faults = argc > 2 && std::strcmp(argv[2], "faults") == 0;
+  const bool loops = argc > 3 && std::strcmp(argv[2], "loop") == 0;
   const sched_param urgent{60};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
-  return pirvs::feed(argv[1]);
+  return pirvs::feed(argv[1], loops ? std::atof(argv[3]) : 0);
 }
