@@ -52,8 +52,10 @@ $(BUILD)/device/feeder: $(FEEDER_OBJ)
 	@$(CXX_LINUX) $(LINUX_LINK) $(FEEDER_OBJ) -o $@
 
 # The PC at the other end of USB, in its test.
-PEER_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,tests/device/guest/usb_peer.cc \
-  $(filter-out tests/%/feeder.cc,$(FEEDER_SRC)) $(addprefix bsp/linux/,assert.cc clock.cc events.cc))
+PEER_SRC := tests/device/guest/usb_peer.cc $(filter bsp/%,$(FEEDER_SRC)) \
+  $(addprefix bsp/linux/,assert.cc clock.cc events.cc)
+PEER_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(PEER_SRC)) \
+  $(call shared_objects,modules/output/pose_text.cc $(filter core/base/% core/math/%,$(LINUX_SRC)))
 $(BUILD)/device/usb_peer: $(PEER_OBJ)
 	@mkdir -p $(@D)
 	@$(CXX_LINUX) $(LINUX_LINK) $(PEER_OBJ) -o $@

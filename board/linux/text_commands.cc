@@ -50,7 +50,7 @@ TextRequest request(RequestKind kind) {
   return out;
 }
 
-TextRequest command(CommandKind kind, std::string_view text = {}) {
+TextRequest command(CommandKind kind, std::string_view text = "") {
   TextRequest out = request(RequestKind::kCommand);
   out.command.kind = kind;
   std::memcpy(out.command.text, text.data(), text.size());

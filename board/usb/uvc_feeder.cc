@@ -110,10 +110,11 @@ void UvcFeeder::run() {
     pollfd polled[2] = {{setup_.control, POLLIN, 0}, {client_.fd(), POLLIN, 0}};
     const int timeout_ms = streaming_ && !client_.is_open() ? kRetry_ms : -1;
     if (poll(polled, 2, timeout_ms) < 0) continue;
-    if (polled[0].revents != 0 && !obey_holder()) return;
+    if (polled[0].revents != 0 && !obey_holder()) break;
     if (polled[1].revents != 0) take_images();
     follow_stream();
   }
+  client_.close();
 }
 
 }  // namespace pirvs::board

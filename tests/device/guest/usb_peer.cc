@@ -2,7 +2,8 @@
 // network and from the serial line, gives commands, looks at the camera, and kills pirvs-video.
 // usage: usb_peer PACK SECONDS   in a network namespace of its own, into which the test's init moves
 //        the interface; ends SECONDS after the first pose, with `stop` to pirvsd.
-//        usb_peer cost           what the machine does for kCost_s without poses and with them
+//        usb_peer cost           how busy the machine is without poses, and by how much more with
+//                                200 a second by either way
 // Out     On standard output: `name value` of what was counted; "answer LINE" of each answer.
 #include <arpa/inet.h>
 #include <dirent.h>
@@ -27,13 +28,14 @@
 
 #include "bsp/api/clock.h"
 #include "bsp/replay/pack.h"
+#include "modules/output/pose_text.h"
 
 namespace pirvs {
 namespace {
 
 constexpr TimeNs kSecond = 1'000'000'000;
 constexpr uint16_t kPort = 14550;
-constexpr const char* kOwn = "192.168.7.2";
+constexpr const char* kHost = "192.168.7.2";
 constexpr const char* kTty = "/dev/ttyACM0";
 
 [[noreturn]] void fail(const char* what) {
@@ -94,7 +96,7 @@ int open_network() {
   for (int i = 0; i < 100 && !find_interface(request); ++i) usleep(50'000);
   auto& address = reinterpret_cast<sockaddr_in&>(request.ifr_addr);
   address.sin_family = AF_INET;
-  inet_aton(kOwn, &address.sin_addr);
+  inet_aton(kHost, &address.sin_addr);
   if (ioctl(fd, SIOCSIFADDR, &request) != 0) fail("the interface's address");
   request.ifr_flags = IFF_UP | IFF_RUNNING;
   if (ioctl(fd, SIOCSIFFLAGS, &request) != 0) fail("the interface up");
@@ -104,6 +106,10 @@ int open_network() {
   const int room = 1 << 20;
   setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
   if (bind(fd, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail("bind");
+  // Where measure_costs() sends: without it each datagram would have an answer.
+  own.sin_port = htons(kPort + 1);
+  const int other = socket(AF_INET, SOCK_DGRAM, 0);
+  if (bind(other, reinterpret_cast<const sockaddr*>(&own), sizeof own) != 0) fail("bind");
   return fd;
 }
 
@@ -168,6 +174,7 @@ struct SerialPeer {
     }
   }
   void take_line() {
+    if (line[0] == '#') return;  // of the measurement of costs
     const bool answer = std::strncmp(line, "ok", 2) == 0 || std::strncmp(line, "error", 5) == 0;
     if (!answer) return poses.take(line);
     ++answers;
@@ -252,7 +259,10 @@ class CameraPeer {
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     if (ioctl(fd_, VIDIOC_STREAMON, &type) != 0) fail("VIDIOC_STREAMON");
     streaming_ = true;
+    interrupt();
   }
+  // The next image need not be that after the last one.
+  void interrupt() { goes_on_ = false; }
   void stop() {
     int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     if (ioctl(fd_, VIDIOC_STREAMOFF, &type) != 0) fail("VIDIOC_STREAMOFF");
@@ -301,7 +311,8 @@ class CameraPeer {
     for (uint32_t step = 0; step < count; ++step) {
       const uint32_t i = (next_ + step) % count;
       if (std::memcmp(pixels, pack_.frame(i).image[0].data, bytes) != 0) continue;
-      if (same_ > 0) skipped_ += step;
+      if (goes_on_) skipped_ += step;
+      goes_on_ = true;
       next_ = i + 1;
       ++same_;
       return;
@@ -315,6 +326,7 @@ class CameraPeer {
   uint8_t* memory_[kBuffers] = {};
   size_t size_[kBuffers] = {};
   uint32_t next_ = 0;
+  bool goes_on_ = false;
   unsigned same_ = 0, other_ = 0, damaged_ = 0, skipped_ = 0;
 };
 
@@ -355,6 +367,7 @@ void play(const bsp::Pack& pack, double seconds) {
     if (!killed && t > plan.kill_s) {
       before_kill = camera.images();
       killed = kill(find_process("pirvs-video"), SIGKILL) == 0;
+      camera.interrupt();
     }
     if (camera.streaming() && !again && t > plan.look_away_s) {
       tell("video.before_kill", before_kill);
@@ -381,10 +394,76 @@ void play(const bsp::Pack& pack, double seconds) {
   }
 }
 
+// ---- costs -------------------------------------------------------------------------------------
+
+// Seconds in which the machine had nothing to do, by the kernel's account.
+double idle_s() {
+  FILE* const in = std::fopen("/proc/stat", "r");
+  double user = 0, nice = 0, system = 0, idle = 0;
+  if (in == nullptr || std::fscanf(in, "cpu %lf %lf %lf %lf", &user, &nice, &system, &idle) != 4) {
+    fail("/proc/stat");
+  }
+  std::fclose(in);
+  return idle / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
+// The share of time in which this machine, which is device and PC in one, is not idle while it does
+// `send` 200 times a second.
+template <class Send>
+double busy_while(Send&& send) {
+  constexpr TimeNs kLasts = 5 * kSecond, kPeriod = kSecond / 200;
+  const double idle = idle_s();
+  const TimeNs begin = bsp::now();
+  for (TimeNs t = begin; t < begin + kLasts; t += kPeriod) {
+    const timespec until = {static_cast<time_t>(t / kSecond), t % kSecond};
+    clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr);
+    send(t);
+  }
+  return 1 - (idle_s() - idle) / to_seconds(bsp::now() - begin);
+}
+
+void put_pose_line(TextWriter& line, TimeNs t) {
+  SE3 T_WB;
+  T_WB.p = Vec3(1.25, -20.5, 0.0625);
+  put_tum(line, t, T_WB);
+  line.put(" tracking 0.99\n");
+}
+
+void measure_costs() {
+  constexpr uint16_t kOther = kPort + 1;  // nobody reads there
+  const double still = busy_while([](TimeNs) {});
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_NONBLOCK, 0);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(kOther);
+  inet_aton(kHost, &to.sin_addr);
+  const double datagrams = busy_while([&](TimeNs t) {
+    Text<kPoseTextMax> line;
+    put_pose_line(line, t);
+    if (sendto(fd, line.c_str(), line.size(), 0, reinterpret_cast<const sockaddr*>(&to),
+               sizeof to) < 0) {
+      std::perror("sendto");
+    }
+  });
+  const int tty = open_tty("/dev/ttyGS0");
+  const double serial = busy_while([&](TimeNs t) {
+    Text<kPoseTextMax> line;
+    put_pose_line(line.put('#'), t);
+    if (write(tty, line.c_str(), line.size()) < 0) std::perror("write");
+  });
+  tell("cost.still", still);
+  tell("cost.datagrams", datagrams - still);
+  tell("cost.serial", serial - still);
+}
+
 }  // namespace
 }  // namespace pirvs
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::strcmp(argv[1], "cost") == 0) {
+    pirvs::measure_costs();
+    return 0;
+  }
   if (argc < 3) return 2;
   const int fd = open(argv[1], O_RDONLY);
   const off_t size = lseek(fd, 0, SEEK_END);
