@@ -45,8 +45,9 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
-  board/linux/settings.cc modules/door/% modules/recorder/order_row.cc bsp/replay/% \
-  bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc \
+  board/linux/settings.cc board/linux/text_commands.cc board/usb/usb_settings.cc modules/door/% \
+  modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
+  bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
 FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
   $(filter tools/dataset/% tools/run/fault.cc tools/run/parameters.cc,$(TOOL_SRC)))

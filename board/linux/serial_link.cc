@@ -134,7 +134,7 @@ void SerialLink::obey(std::string_view line) {
 }
 
 void SerialLink::obey(const TextRequest& request) {
-  static Text<kAnswerMax> line;
+  TextWriter& line = answer_;
   line.clear();
   switch (request.kind) {
     case RequestKind::kNone:

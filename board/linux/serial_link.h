@@ -69,6 +69,7 @@ class SerialLink {
   TimeNs retry_t_ = 0, read_t_ = 0;
   LineReader reader_;
   Text<256> newest_;          // pose
+  Text<kAnswerMax> answer_;   // in the making
   Text<kAnswerMax> waiting_;  // ends of lines, and answers, for which there was no room
   size_t waiting_from_ = 0;
   uint32_t tickets_[kTicketsMax] = {};  // of commands from here; +1, 0: free

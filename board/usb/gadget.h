@@ -3,10 +3,10 @@
 // In      GadgetSetup; the root of configfs; a UDC's name.
 // Out     make(): all of it, bound to the UDC: a host sees it at once, or with a camera, as soon as
 //         the camera's node is held (uvc_holder.h). remove(): nothing is left of it, or of what a
-//         killed predecessor has left. The kernel calls the network's interface usb0, the first free
-//         of usb%d.
-// Errors  make: the row that the kernel refused, errno says why, and what was made before it is gone
-//         again; nullptr: none. remove: what is not there is no fault.
+//         killed predecessor has left. The kernel calls the network's interface usb0, the first
+//         free one of usb%d.
+// Errors  make: the row that the kernel refused, errno says why, and what was made before it is
+//         gone again; nullptr: none. remove: what is not there is no fault.
 // Cost    ~60 system calls, and up to a second that the kernel waits for the camera's node.
 // Source  Linux, Documentation/usb/gadget_configfs, ABI/testing/configfs-usb-gadget-*; USB Video
 //         Class 1.1, "Uncompressed Payload".

@@ -217,8 +217,9 @@ class FeederProcess {
 };
 FeederProcess feeder_process;
 
-[[noreturn]] void run_feeder(int control) {
+[[noreturn]] void run_feeder(int control, pid_t parent) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);  // or the node would stay held, and the gadget on the bus
+  if (getppid() != parent) _exit(0);
   prctl(PR_SET_NAME, "pirvs-video");
   sigset_t none;
   sigemptyset(&none);
@@ -231,20 +232,22 @@ FeederProcess feeder_process;
   fed.width = setup.usb.width;
   fed.height = setup.usb.height;
   fed.tell = [](const char* what) { say("pirvs-video", what); };
-  if (!feeder.open(fed))
-    say("pirvs-video", "the camera's buffers cannot be had");
-  else
+  if (feeder.open(fed)) {
     feeder.run();
+  } else {
+    say("pirvs-video", "the camera's buffers cannot be had");
+  }
   _exit(0);
 }
 
 void FeederProcess::start() {
   int ends[2];
   if (pipe(ends) != 0) return;
+  const pid_t parent = getpid();
   pid_ = fork();
   if (pid_ == 0) {
     close(ends[1]);
-    run_feeder(ends[0]);
+    run_feeder(ends[0], parent);
   }
   close(ends[0]);
   control_ = ends[1];

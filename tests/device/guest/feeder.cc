@@ -1,8 +1,8 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults | loop SECONDS]. With faults, what kFaults lists goes wrong. In a loop a
-// recording of a device at rest is played for so long, its end followed by its begin. Runs above all
-// programs and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults | loop SECONDS]. With faults, what kFaults lists goes wrong. In a loop
+// a recording of a device at rest is played for so long, its end followed by its begin. Runs above
+// all programs and above the kernel's threads for interrupts.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it.
