@@ -116,7 +116,7 @@ void SerialLink::read_lines() {
     if (taken == LineReader::Taken::kMore) continue;
     if (taken == LineReader::Taken::kLine) {
       obey(reader_.line());
-    } else {
+    } else if (!is_echo(reader_.line())) {
       ++counters_.garbled;
       Text<64> line;
       put_error(line, "a line that is too long, or no text");

@@ -116,6 +116,16 @@ TEST_F(SerialLinkTest, AnswersAtOnceWhatItKnows) {
   EXPECT_EQ(link_.counters().garbled, 1u);
 }
 
+// Two of these would otherwise talk for ever.
+TEST_F(SerialLinkTest, DoesNotAnswerAnEcho) {
+  pose("12.5 0 0 0 0 0 0 1 tracking 0.90");
+  type("nonsense\ncounters\n");
+  const std::string said = heard();
+  type(said);
+  type("ok counters" + std::string(300, 'x') + "\n");
+  EXPECT_EQ(heard(), "");
+}
+
 TEST_F(SerialLinkTest, SaysWhenTheStackHasNoRoom) {
   full_ = true;
   type("reset\n");

@@ -141,9 +141,15 @@ LineReader::Taken LineReader::take(char c) {
   return Taken::kMore;
 }
 
+bool is_echo(std::string_view line) {
+  const std::string_view first = split(line).at[0];
+  const bool number = !first.empty() && (first[0] == '-' || (first[0] >= '0' && first[0] <= '9'));
+  return number || first == "ok" || first == "error";
+}
+
 TextRequest read_request(std::string_view line) {
   const Words words = split(line);
-  if (words.count == 0) return {};
+  if (words.count == 0 || is_echo(line)) return {};
   for (const auto& plain : kPlain) {
     const int count = plain.second.empty() ? 1 : 2;
     const bool same = words.count == count && words.at[0] == plain.first &&

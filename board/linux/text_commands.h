@@ -13,7 +13,9 @@
 //           help
 // Out     One line for each that is not empty: `ok` or `error`, the command, what there is to say.
 //         Commands that the stack executes are answered when that is done, in order.
-// Errors  A line that is too long, holds what is no text, or is no command: `error` and why.
+// Errors  A line that is too long, holds what is no text, or is no command: `error` and why. But
+//         nothing to what begins as our own lines do: a host whose terminal echoes sends each of
+//         them back, and would send back the answer, too.
 // Cost    microseconds a line. No heap.
 // Source  docs/device.md, "Commands".
 #pragma once
@@ -27,10 +29,11 @@ namespace pirvs::board {
 
 class LineReader {
  public:
-  static constexpr size_t kLineMax = 120;
+  static constexpr size_t kLineMax = 160;
 
   enum class Taken : uint8_t { kMore, kLine, kBad };
-  // kLine: line() holds until the next call. kBad: the line that ends here cannot be read.
+  // kLine: line() holds until the next call. kBad: the line that ends here cannot be read, line()
+  // is what could be.
   Taken take(char c);
   std::string_view line() const { return {text_, size_}; }
   void clear() { *this = LineReader{}; }
@@ -51,6 +54,8 @@ struct TextRequest {
 };
 
 TextRequest read_request(std::string_view line);
+// It begins as a pose or an answer does: kNone to read_request.
+bool is_echo(std::string_view line);
 
 // Without the end of the line.
 void put_answer(TextWriter& out, CommandKind kind, Status status);

@@ -109,6 +109,18 @@ TEST(TextCommands, RefusesEverythingElseWithAReason) {
   }
 }
 
+// A host that only listens, with its terminal as it is by default, sends all back that it hears.
+TEST(TextCommands, IsDeafToItsOwnLines) {
+  for (const char* line : {"12.5 0 0 0 0 0 0 1 tracking 0.90", "-1.5 2", "ok stop", "error pose",
+                           "  ok counters a=1", "error no such command, see help"}) {
+    EXPECT_TRUE(is_echo(line)) << line;
+    EXPECT_EQ(read_request(line).kind, RequestKind::kNone) << line;
+  }
+  for (const char* line : {"", "stop", "okay", "errors", "pose 1 2 3 4"}) {
+    EXPECT_FALSE(is_echo(line)) << line;
+  }
+}
+
 TEST(TextCommands, AnswersInOneLine) {
   Text<256> out;
   put_answer(out, CommandKind::kSaveMap, Status::kOk);

@@ -275,8 +275,8 @@ void device_text(const uint8_t* data, size_t size) {
   }
 }
 
-// What is typed at a serial line: each line is a request or has a reason, and names are text with an
-// end.
+// What is typed at a serial line: each line is a request or has a reason, and names are text with
+// an end.
 void typed_text(const uint8_t* data, size_t size) {
   board::LineReader reader;
   for (size_t i = 0; i < size; ++i) {

@@ -1,7 +1,8 @@
 // The PC at the other end of the device's USB, in tests/device/usb_test.cc: takes poses from the
 // network and from the serial line, gives commands, looks at the camera, and kills pirvs-video.
 // usage: usb_peer PACK SECONDS   in a network namespace of its own, into which the test's init puts
-//        the interface; ends SECONDS after the first pose, with `stop` to pirvsd.
+//        the interface; SECONDS, at least 20, after the first pose it pulls the cable and puts it
+//        back, and ends with `stop` to pirvsd.
 //        usb_peer cost           how busy the machine is without poses, and by how much more with
 //                                200 a second by either way
 // Out     On standard output: `name value` of what was counted; "answer LINE" of each answer.
@@ -189,8 +190,8 @@ constexpr const char* kTyped[] = {
     "parameter frontend.tracks_target 100\r",
     "parameter nobody.knows 1\n",
     "\x01\xff\x7f garbage\n",
-    "0123456789012345678901234567890123456789012345678901234567890123456789"
-    "0123456789012345678901234567890123456789012345678901234567890123456789\n",
+    "too long 0123456789012345678901234567890123456789012345678901234567890123456789"
+    "0123456789012345678901234567890123456789012345678901234567890123456789012345678901234567890\n",
     "map load ../etc/passwd\n",
     "counters\n",
 };
@@ -231,6 +232,10 @@ class CameraPeer {
       if (!ours && fd >= 0) ::close(fd);
     }
     if (fd_ < 0) fail("no camera of uvcvideo");
+  }
+  void close() {
+    ::close(fd_);
+    fd_ = -1;
   }
   void start() {
     const Camera camera = pack_.camera(0);
@@ -333,14 +338,52 @@ class CameraPeer {
 
 // ---- the PC ------------------------------------------------------------------------------------
 
-// What happens so many seconds after the first pose.
-struct Plan {
-  double look_s, kill_s, look_away_s, look_again_s, end_s;
-};
+// What happens, so many seconds after the first pose.
+constexpr double kLook_s = 3, kKill_s = 6, kLookAway_s = 12, kLookAgain_s = 14, kLookNoMore_s = 18;
+constexpr double kType_s = 1.5;  // from command to command
+
+void write_file(const char* path, const char* text) {
+  const int fd = open(path, O_WRONLY);
+  if (fd < 0 || write(fd, text, std::strlen(text)) < 0) fail(path);
+  close(fd);
+}
+
+// The cable is pulled and put back: serial line and camera must come again, and pirvsd obeys.
+void replug(const bsp::Pack& pack) {
+  constexpr const char* kOff = "/sys/bus/usb/devices/1-0:1.0/usb1-port1/disable";
+  write_file(kOff, "1");
+  sleep(1);
+  tell("replug.gone", access(kTty, F_OK) != 0);
+  write_file(kOff, "0");
+  for (int i = 0; i < 100 && access(kTty, F_OK) != 0; ++i) usleep(50'000);
+  sleep(1);
+  SerialPeer serial;
+  serial.fd = open_tty(kTty);
+  CameraPeer camera(pack);
+  camera.open();
+  camera.start();
+  usleep(500'000);  // what lay there from before we listened, and then was dropped
+  serial.read_all();
+  serial.poses = {};
+  for (int i = 0; i < 150; ++i) {
+    usleep(20'000);
+    serial.read_all();
+    camera.read_all();
+  }
+  tell("replug.lines", serial.poses.lines);
+  tell("replug.missing", serial.poses.missing);
+  tell("replug.same", camera.images());
+  camera.stop();
+  // Behind the end of what the terminal may have echoed before it was raw.
+  serial.say("\nreset\nstop\n");
+  for (int i = 0; i < 100; ++i) {
+    usleep(20'000);
+    serial.read_all();
+  }
+}
 
 void play(const bsp::Pack& pack, double seconds) {
   if (unshare(CLONE_NEWNET) != 0) fail("unshare");
-  const Plan plan = {0.1 * seconds, 0.25 * seconds, 0.5 * seconds, 0.7 * seconds, seconds};
   const int network = open_network();
   SerialPeer serial;
   serial.fd = open_tty(kTty);
@@ -349,8 +392,8 @@ void play(const bsp::Pack& pack, double seconds) {
   PoseCount poses;
   TimeNs first = 0;
   double first_bytes = 0;
-  unsigned typed = 0, before_kill = 0;
-  bool killed = false, again = false;
+  unsigned typed = 0, looks = 0, before_kill = 0;
+  bool killed = false;
   for (bool ended = false; !ended;) {
     pollfd polled[3] = {{network, POLLIN, 0},
                         {serial.fd, POLLIN, 0},
@@ -364,35 +407,41 @@ void play(const bsp::Pack& pack, double seconds) {
       first_bytes = received_bytes();
     }
     const double t = first > 0 ? to_seconds(bsp::now() - first) : -1;
-    if (!camera.streaming() && !again && t > plan.look_s && t < plan.look_away_s) camera.start();
-    if (!killed && t > plan.kill_s) {
+    if (looks == 0 && t > kLook_s) {
+      camera.start();
+      ++looks;
+    }
+    if (!killed && t > kKill_s) {
       before_kill = camera.images();
       killed = kill(find_process("pirvs-video"), SIGKILL) == 0;
       camera.allow_gap();
     }
-    if (camera.streaming() && !again && t > plan.look_away_s) {
+    if (looks == 1 && t > kLookAway_s) {
       tell("video.before_kill", before_kill);
       tell("video.after_kill", camera.images() - before_kill);
       camera.stop();
-      again = true;
+      ++looks;
     }
-    if (!camera.streaming() && again && t > plan.look_again_s) camera.start();
-    if (typed < std::size(kTyped) && t > typed * 0.1 * seconds) serial.say(kTyped[typed++]);
-    ended = t > plan.end_s;
+    if (looks == 2 && t > kLookAgain_s) {
+      camera.start();
+      ++looks;
+    }
+    if (looks == 3 && t > kLookNoMore_s) {
+      camera.stop();
+      ++looks;
+    }
+    if (typed < std::size(kTyped) && t > (typed + 1) * kType_s) serial.say(kTyped[typed++]);
+    ended = t > seconds;
   }
   const double lasted = to_seconds(bsp::now() - first);
   tell("killed", killed);
   tell("network.bytes_a_second", (received_bytes() - first_bytes) / lasted);
-  camera.stop();
   camera.tell_all();
   poses.tell_all("network");
   serial.poses.tell_all("serial");
-  // Poses that follow are those of another start.
-  serial.say("reset\nstop\n");
-  for (int i = 0; i < 100; ++i) {
-    usleep(20'000);
-    serial.read_all();
-  }
+  camera.close();
+  close(serial.fd);
+  replug(pack);
 }
 
 // ---- costs -------------------------------------------------------------------------------------
