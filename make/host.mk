@@ -22,7 +22,7 @@ endif
 
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc,\
+  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc %/heap_watch.cc,\
   $(call find_cc,board/linux board/usb))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
@@ -71,7 +71,7 @@ CLANGXX ?= clang++
 TOOLS := -isystem /usr/include/opencv4
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS)
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
@@ -134,7 +134,7 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 # Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
 DEVICE := $(BUILD)/device
 test-device: $(OUT)/device_tests $(DEVICE)/release $(DEVICE)/modules/dummy_hcd.c ## pirvsd under an arm64 kernel alone
-	@$(MAKE) -s BOARD=ironsides all $(DEVICE)/feeder $(DEVICE)/usb_peer
+	@$(MAKE) -s BOARD=ironsides all $(addprefix $(DEVICE)/,feeder robot usb_peer)
 	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
 	PIRVS_BUILD=$(BUILD) $(OUT)/device_tests \

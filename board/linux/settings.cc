@@ -26,6 +26,11 @@ constexpr Choice<bsp::StampMeans> kStamps[] = {{"driver", bsp::StampMeans::kDriv
 constexpr Choice<TextOutput> kOutputs[] = {
     {"poses", TextOutput::kPoses}, {"frames", TextOutput::kFrames}, {"none", TextOutput::kNone}};
 
+constexpr Choice<bsp::EdgeKind> kEdges[] = {{"rising", bsp::EdgeKind::kRising},
+                                            {"falling", bsp::EdgeKind::kFalling},
+                                            {"both", bsp::EdgeKind::kBoth}};
+constexpr Choice<bool> kSyncIns[] = {{"event", false}, {"pps", true}};
+
 // Each reads a value: nullptr, or what is wrong with it.
 const char* read_text(std::string_view value, SettingText& out) {
   if (value.size() >= sizeof out.text) return "longer than 95 bytes";
@@ -90,7 +95,7 @@ const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*fi
 }
 
 // 192.168.7.2:14550
-const char* read_endpoint(std::string_view value, Settings& out) {
+const char* read_endpoint(std::string_view value, bsp::Endpoint& out) {
   constexpr const char* kWrong = "not an address and a port, as 192.168.7.2:14550";
   uint32_t address = 0;
   const char* at = value.data();
@@ -105,8 +110,7 @@ const char* read_endpoint(std::string_view value, Settings& out) {
     }
     if (i == 4) {
       if (stop != end) return kWrong;
-      out.poses_to = {address, static_cast<uint16_t>(part)};
-      out.has_poses_to = true;
+      out = {address, static_cast<uint16_t>(part)};
       return nullptr;
     }
     if (stop == end || *stop != (i == 3 ? ':' : '.')) return kWrong;
@@ -114,6 +118,16 @@ const char* read_endpoint(std::string_view value, Settings& out) {
     at = stop + 1;
   }
   return kWrong;
+}
+
+const char* read_poses_to(std::string_view value, Settings& out) {
+  out.has_poses_to = true;
+  return read_endpoint(value, out.poses_to);
+}
+
+const char* read_stream(std::string_view value, Settings& out) {
+  out.has_stream = true;
+  return read_endpoint(value, out.stream);
 }
 
 const char* read_rate(std::string_view value, Settings& out) {
@@ -126,8 +140,53 @@ const char* read_rate(std::string_view value, Settings& out) {
 }
 
 const char* read_imu(std::string_view value, Settings& out) {
-  const bool iio = !behind(value, "iio:").empty();
-  return iio ? read_text(value, out.imu) : "an IMU is iio: and its number or name";
+  if (!behind(value, "iio:").empty()) {
+    out.imu_is_on_i2c = false;
+    return read_text(value, out.imu);
+  }
+  constexpr const char* kWrong = "an IMU is iio: and its number or name, or icm20602:BUS[:ADDRESS]";
+  std::string_view bus = behind(value, "icm20602:");
+  const size_t colon = bus.find(':');
+  if (colon != std::string_view::npos) {
+    // As i2cdetect shows it.
+    const std::string_view address(bus.data() + colon + 1, bus.size() - colon - 1);
+    if (address != "68" && address != "69") return "an ICM-20602 is at 68 or 69 (hexadecimal)";
+    out.i2c_imu.address = address == "69" ? 0x69 : 0x68;
+    bus = {bus.data(), colon};
+  }
+  int64_t number = 0;
+  if (!read_whole(bus, 0, 255, number)) return kWrong;
+  out.i2c_imu.bus = static_cast<int>(number);
+  out.imu_is_on_i2c = true;
+  return read_text(value, out.imu);
+}
+
+const char* read_imu_delay(std::string_view value, Settings& out) {
+  const char* const why = read_time(value, kMicro, 100 * kMilli, out.iio.delay_ns);
+  out.i2c_imu.delay_ns = out.iio.delay_ns;
+  return why;
+}
+
+const char* read_sync_in_edge(std::string_view value, Settings& out) {
+  return read_choice(value, kEdges, out.pins.sync_in_edge) ? nullptr : "rising, falling or both";
+}
+
+const char* read_sync_in_as(std::string_view value, Settings& out) {
+  return read_choice(value, kSyncIns, out.pins.sync_in_is_pps) ? nullptr : "event or pps";
+}
+
+const char* read_confidence(std::string_view value, Settings& out) {
+  double number = 0;
+  if (!read_numbers(value, &number, 1) || number < 0 || number > 1) return "not from 0 to 1";
+  out.pins.health_confidence = static_cast<float>(number);
+  return nullptr;
+}
+
+const char* read_encoder(std::string_view value, SettingText (&out)[2]) {
+  std::string_view names[2];
+  if (!read_words(value, names, 2)) return "an encoder has two pins, A and B";
+  const char* const why = read_text(names[0], out[0]);
+  return why != nullptr ? why : read_text(names[1], out[1]);
 }
 
 struct Key {
@@ -164,15 +223,32 @@ constexpr Key kKeys[] = {
      }},
     {"imu", read_imu},
     {"imu.rate_hz", read_rate},
-    {"imu.delay_us",
-     [](std::string_view v, Settings& out) {
-       return read_time(v, kMicro, 100 * kMilli, out.iio.delay_ns);
-     }},
+    {"imu.delay_us", read_imu_delay},
+    {"imu.data_ready",
+     [](std::string_view v, Settings& out) { return read_text(v, out.imu_data_ready); }},
     {"output.text", read_output},
-    {"output.poses", read_endpoint},
+    {"output.poses", read_poses_to},
+    {"output.stream", read_stream},
     {"output.serial", [](std::string_view v, Settings& out) { return read_text(v, out.serial); }},
     {"output.images", [](std::string_view v, Settings& out) { return read_text(v, out.images); }},
+    {"pin.health", [](std::string_view v, Settings& out) { return read_text(v, out.pins.health); }},
+    {"pin.health_confidence", read_confidence},
+    {"pin.sync_out",
+     [](std::string_view v, Settings& out) { return read_text(v, out.pins.sync_out); }},
+    {"pin.sync_out_us",
+     [](std::string_view v, Settings& out) {
+       return read_time(v, kMicro, 10 * kMilli, out.pins.sync_out_width_ns);
+     }},
+    {"pin.sync_in",
+     [](std::string_view v, Settings& out) { return read_text(v, out.pins.sync_in); }},
+    {"pin.sync_in_edge", read_sync_in_edge},
+    {"pin.sync_in_as", read_sync_in_as},
+    {"pin.wheel_left",
+     [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[0]); }},
+    {"pin.wheel_right",
+     [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[1]); }},
     {"record", [](std::string_view v, Settings& out) { return read_text(v, out.record); }},
+    {"watchdog", [](std::string_view v, Settings& out) { return read_text(v, out.watchdog); }},
     {"realtime",
      [](std::string_view v, Settings& out) -> const char* {
        return read_yes_no(v, out.realtime) ? nullptr : "yes or no";
@@ -204,6 +280,9 @@ ConfigFault find_missing(const Settings& settings) {
                 {settings.imu, "imu"}};
   for (const auto& row : needed) {
     if (row.value.text[0] == 0) return {0, "a key is missing", row.key};
+  }
+  if (settings.imu_is_on_i2c && settings.imu_data_ready.text[0] == 0) {
+    return {0, "an IMU on I2C needs the pin of its interrupt", "imu.data_ready"};
   }
   return {};
 }

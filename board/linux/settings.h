@@ -12,16 +12,29 @@
 //           camera.exposure_us = 0               0: the camera's control says it
 //           camera.readout_us = 0                end of exposure to end of frame
 //           camera.left_events = /dev/v4l-subdev0    who sends FRAME_SYNC; right_events likewise
-//           imu = iio:0                          needed: number or name, iio:mpu6500
-//           imu.rate_hz = 200
+//           imu = iio:0                          needed: number or name, iio:mpu6500; or
+//                                                icm20602:BUS or BUS:ADDRESS, icm20602:1:69
+//           imu.data_ready = HEADER_13           its interrupt's pin, for icm20602
+//           imu.rate_hz = 200                    of iio; icm20602 has 200
 //           imu.delay_us = 0                     of the chip's filter, taken off the stamp
 //           output.text = poses                  or frames, none: lines on standard output
 //           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
 //           output.serial = /dev/ttyGS0          the same lines, and commands (text_commands.h)
 //           output.images = /run/pirvs/images    to one other program that asks (image_share.h)
 //           usb.NAME = VALUE                     pirvs-usb's (board/usb/usb_settings.h)
+//           output.stream = 192.168.7.1:14560    where to listen for those who want the stream;
+//                                                127.0.0.1: programs of this machine
+//           pin.health = gpiochip2:11            high while tracking is good; or a line's name
+//           pin.health_confidence = 0.3          and its confidence is no lower
+//           pin.sync_out = HEADER_7              a pulse at the middle of each exposure
+//           pin.sync_out_us = 500                its width
+//           pin.sync_in = HEADER_11              edges given out with the pose at their time
+//           pin.sync_in_edge = rising            falling or both
+//           pin.sync_in_as = event               or pps: a pulse per second
+//           pin.wheel_left = PIN_A, PIN_B        an encoder; pin.wheel_right likewise
 //           record = DIR                         everything sensed, as an ASL folder
 //           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
+//           watchdog = /dev/watchdog0            of the hardware; systemd's needs no setting
 //           parameter.GROUP.NAME = VALUE         as pirvs params lists them
 // Errors  A fault with its line: unknown or repeated keys, values that cannot be, what is missing.
 // Cost    microseconds, at start. No heap.
@@ -31,6 +44,8 @@
 #include <string_view>
 
 #include "bsp/api/datagram.h"
+#include "bsp/api/gpio.h"
+#include "bsp/linux/i2c_imu.h"
 #include "bsp/linux/iio.h"
 #include "bsp/linux/v4l2_stereo.h"
 #include "core/config/key_values.h"
@@ -45,18 +60,35 @@ struct SettingText {
   char text[96] = "";
 };
 
+// Roles of the device's pins (board/linux/pins.h); a name that is empty: no such pin.
+struct PinSettings {
+  SettingText health, sync_out, sync_in;
+  SettingText wheel[2][2];  // left and right, pins A and B
+  float health_confidence = 0.3f;
+  TimeNs sync_out_width_ns = 500'000;
+  bsp::EdgeKind sync_in_edge = bsp::EdgeKind::kRising;
+  bool sync_in_is_pps = false;
+};
+
 struct Settings {
   SettingText calibration;
   SettingText camera[kCamerasMax], camera_events[kCamerasMax];
   bsp::V4l2StereoSetup stereo;  // without its cameras' paths and sizes
   SettingText imu;
   bsp::IioSetup iio;  // without its device
+  bool imu_is_on_i2c = false;
+  bsp::I2cImuSetup i2c_imu;  // without its texts
+  SettingText imu_data_ready;
   TextOutput text = TextOutput::kPoses;
   bool has_poses_to = false;
   bsp::Endpoint poses_to;
   SettingText serial, images;
+  bool has_stream = false;
+  bsp::Endpoint stream;
+  PinSettings pins;
   SettingText record;
   bool realtime = true;
+  SettingText watchdog;
   AppParams params;
 };
 

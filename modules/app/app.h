@@ -86,6 +86,10 @@ class App {
   const Latency& latency() const { return output_.latency(); }  // from any core
 
   const Map& map() const { return estimator_.map(); }  // once finished
+  // The landmarks that tracking sees now, each once; the door's core. Returns the count.
+  int seen_points(SeenPoint* out, int max) const {
+    return estimator_.tracker().seen_points(out, max);
+  }
   // Every counter of rejections and faults, from any core, also while it runs; sizes of the static
   // pools in bytes. Return the count.
   int counters(NamedValue* out, int max) const;

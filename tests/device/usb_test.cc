@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "modules/calibration/calibration_text.h"
+#include "tests/device/guest_run.h"
 #include "tests/recordings.h"
 #include "tools/dataset/pack_file.h"
 
@@ -25,12 +26,6 @@ constexpr double kFrames_hz = 10;
 double seconds() {
   const char* const given = std::getenv("PIRVS_USB_SECONDS");
   return given != nullptr ? std::max(20, std::atoi(given)) : 60;
-}
-
-std::string read(const std::string& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
 }
 
 // A device at rest, which can be played again and again.
@@ -120,12 +115,12 @@ UsbRun run_usb() {
   }
   UsbRun out;
   out.status = std::system(command.c_str());
-  out.console = read(folder + "/console");
-  out.states = read(folder + "/states");
-  out.devices = read(folder + "/devices");
-  out.usb = read(folder + "/usb");
-  out.news = read(folder + "/news");
-  out.peer = read(folder + "/peer") + read(folder + "/cost");
+  out.console = text_of(folder + "/console");
+  out.states = text_of(folder + "/states");
+  out.devices = text_of(folder + "/devices");
+  out.usb = text_of(folder + "/usb");
+  out.news = text_of(folder + "/news");
+  out.peer = text_of(folder + "/peer") + text_of(folder + "/cost");
   read_values(out.peer, "", out);
   read_values(out.news, "counter", out);
   return out;

@@ -11,8 +11,9 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kRunCommand,  &kEvalCommand,        &kSimCommand,
-                                    &kPackCommand, &kCalibrationCommand, &kParamsCommand};
+const Command* const kCommands[] = {&kRunCommand,    &kEvalCommand, &kSimCommand,
+                                    &kListenCommand, &kPackCommand, &kCalibrationCommand,
+                                    &kParamsCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

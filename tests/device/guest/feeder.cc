@@ -1,11 +1,12 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults | loop SECONDS]. With faults, what kFaults lists goes wrong. In a loop
-// a recording of a device at rest is played for so long, its end followed by its begin. Runs above
-// all programs and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong.
+// In a loop a recording of a device at rest is played for so long, its end followed by its begin.
+// Runs above all programs and above the kernel's threads for interrupts.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
-//         clipped" at the end. The scale is the driver's, so values are multiples of it.
+//         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
+//         the ICM-20602, which has none, as pirvsd sets it up.
 #include <fcntl.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -17,6 +18,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
 #include "bsp/api/clock.h"
 #include "bsp/replay/pack.h"
@@ -43,7 +45,8 @@ enum class Fault : uint8_t {
   kPulled,
   kPlugged,
   kImuPulled,
-  kImuPlugged
+  kImuPlugged,
+  kDark
 };
 struct FaultAt {
   uint32_t frame;
@@ -51,27 +54,45 @@ struct FaultAt {
   uint8_t cameras;
 };
 constexpr FaultAt kFaults[] = {
-    {30, Fault::kMissing, 2},    // half a pair
-    {40, Fault::kDamaged, 1},    // likewise
-    {50, Fault::kMissing, 3},    // a whole one
-    {60, Fault::kPulled, 3},     // both cameras, and back after 0.8 s
-    {76, Fault::kPlugged, 3},    //
-    {96, Fault::kImuPulled, 0},  // and back after 0.3 s
-    {102, Fault::kImuPlugged, 0},
+    {30, Fault::kMissing, 2},                              // half a pair
+    {40, Fault::kDamaged, 1},                              // likewise
+    {50, Fault::kMissing, 3},                              // a whole one
+    {60, Fault::kPulled, 3},                               // both cameras, and back after 0.8 s
+    {76, Fault::kPlugged, 3},                              //
+    {96, Fault::kImuPulled, 0},                            // and back after 0.3 s
+    {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
 };
-bool with_faults = false;
+bool with_faults = false, icm20602 = false;
 
 Fault fault_at(uint32_t frame, int camera) {
   for (const FaultAt& fault : kFaults) {
     const bool here = fault.cameras == 0 ? camera == 0 : (fault.cameras >> camera & 1) != 0;
-    if (with_faults && fault.frame == frame && here) return fault.what;
+    const bool now = fault.frame == frame || (fault.what == Fault::kDark && fault.frame < frame);
+    if (with_faults && now && here) return fault.what;
   }
   return Fault::kNone;
 }
 
 struct Sample {
   int64_t t_ns;
-  int16_t force[3], temperature, rate[3], unused;
+  int16_t force[3], temperature, rate[3], fault;
+};
+
+// Of the ICM-20602, at a time since the first sample: as test_imu.c has them.
+enum ImuFault : int16_t { kBusDead = 1, kBusGood, kSilent, kSilentGood, kReset };
+struct ImuFaultAt {
+  TimeNs after_ns;
+  ImuFault what;
+};
+constexpr TimeNs kSecond = 1'000'000'000;
+constexpr ImuFaultAt kImuFaults[] = {
+    {kSecond * 20 / 10, kBusDead},
+    {kSecond * 20 / 10 + 30'000'000, kBusGood},  // its samples wait in the FIFO
+    {kSecond * 30 / 10, kReset},
+    {kSecond * 40 / 10, kSilent},  // and lost data-ready edges
+    {kSecond * 40 / 10 + 200'000'000, kSilentGood},
+    {kSecond * 50 / 10, kBusDead},  // until the FIFO runs over
+    {kSecond * 50 / 10 + 600'000'000, kBusGood},
 };
 
 struct Fed {
@@ -100,13 +121,25 @@ int16_t counts_of(double value, double scale, Fed& fed) {
 
 // The samples before `end`.
 void feed_imu(const bsp::Pack& pack, TimeNs shift, TimeNs end, Fed& fed) {
-  static const double force = read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
-  static const double rate = read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+  constexpr double kPi = 3.14159265358979323846;
+  static const double force = icm20602
+                                  ? 8.0 / 32768 * 9.80665
+                                  : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+  static const double rate = icm20602
+                                 ? 2000.0 / 32768 * kPi / 180
+                                 : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
   static const int fd = open("/dev/test_imu", O_WRONLY);
   if (fd < 0) fail("/dev/test_imu");
+  size_t fault = icm20602 && with_faults ? 0 : std::size(kImuFaults);
   for (uint32_t i = 0; i < pack.header().imu_count && pack.imu(i).t < end; ++i) {
     const ImuSample in = pack.imu(i);
     Sample out{};
+    while (fault < std::size(kImuFaults) && in.t > pack.imu(0).t + kImuFaults[fault].after_ns) {
+      out.t_ns = pack.imu(0).t + kImuFaults[fault].after_ns + shift;
+      out.fault = kImuFaults[fault++].what;
+      if (write(fd, &out, sizeof out) != sizeof out) fail("a fault");
+      out.fault = 0;
+    }
     out.t_ns = in.t + shift;
     for (int k = 0; k < 3; ++k) {
       out.force[k] = counts_of(in.f_B(k), force, fed);
@@ -155,7 +188,7 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
   char path[80];
   if (fault == Fault::kPulled) camera.plug(kPull);
   if (fault == Fault::kPlugged) camera.plug(kPlug);
-  if (fault == Fault::kImuPulled || fault == Fault::kImuPlugged) {
+  if (!icm20602 && (fault == Fault::kImuPulled || fault == Fault::kImuPlugged)) {
     std::snprintf(path, sizeof path, "%s%s", kDriver,
                   fault == Fault::kImuPulled ? "unbind" : "bind");
     write_file(path, kChip);
@@ -164,7 +197,9 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
     ++camera.skip;
     return;
   }
-  fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood, pixels);
+  static const uint8_t kBlack[kImagePixelsMax] = {};
+  fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood,
+                              fault == Fault::kDark ? kBlack : pixels);
 }
 
 struct TestCameras {
@@ -247,9 +282,13 @@ int feed(const char* path, double loop_s) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
-  pirvs::with_faults = argc > 2 && std::strcmp(argv[2], "faults") == 0;
-  const bool loops = argc > 3 && std::strcmp(argv[2], "loop") == 0;
+  double loop_s = 0;
+  for (int i = 2; i < argc; ++i) {
+    pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
+    pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
+    if (std::strcmp(argv[i], "loop") == 0 && i + 1 < argc) loop_s = std::atof(argv[i + 1]);
+  }
   const sched_param urgent{60};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
-  return pirvs::feed(argv[1], loops ? std::atof(argv[3]) : 0);
+  return pirvs::feed(argv[1], loop_s);
 }
