@@ -10,8 +10,10 @@
 
 #include "board/linux/board.h"
 #include "board/linux/heap_watch.h"
+#include "board/linux/image_share.h"
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
+#include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
 #include "board/linux/stream_output.h"
 #include "board/linux/watchdog.h"
@@ -55,6 +57,8 @@ Pins pins;
 StreamOutput stream_output;
 Watchdog watchdog;
 bsp::DiskSync disk_sync;
+SerialLink serial;
+ImageShare images;
 Calibration calibration;
 char config_text[kSettingsTextMax];
 char calibration_text[kCalibrationTextMax + kSettingsTextMax];
@@ -83,10 +87,13 @@ void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 
+void on_answer(void*, const Answer& answer) { serial.answer(answer); }
+
 void on_frame_taken(const StereoFrame& frame) {
   watchdog.ready();
   pins.frame_taken(frame.t);
   stream_output.frame(frame);
+  images.frame(frame);
 }
 
 void on_pose(const Pose& pose) {
@@ -337,6 +344,10 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
   named("pin", "sync_out_left_out", pins.pulses_left_out());
   for_each_counter(stream_output.counters(), kStreamCounterRows,
                    [](const char* name, uint32_t value) { named("stream", name, value); });
+  for_each_counter(serial.counters(), kSerialLinkRows,
+                   [](const char* name, uint32_t value) { named("serial", name, value); });
+  for_each_counter(images.counters(), kImageShareRows,
+                   [](const char* name, uint32_t value) { named("images", name, value); });
   named("output", "lines", poses.written());
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
@@ -367,6 +378,31 @@ void say_counters() {
   say_latency("exposure_to_fused", app.latency().exposure_to_fused.summary());
 }
 
+// ` name=value` of what is not zero.
+void put_counters(void*, TextWriter& out) {
+  const auto put = [](void* to, const char* name, uint64_t value) {
+    if (value == 0) return;
+    static_cast<TextWriter*>(to)->put(' ').put(name).put('=').unsigned_number(value);
+  };
+  for_each_counter_of_device(put, &out);
+}
+
+void start_links() {
+  const auto command = [](void*, const Command& command) { return app.command(command); };
+  serial.configure(settings.serial.text, {nullptr, command, put_counters});
+  if (serial.wanted()) poses.also([](const TextWriter& line) { serial.pose(line); });
+  if (settings.images.text[0] == 0) return;
+  const Camera& camera = calibration.camera[0];
+  const Status status =
+      images.open(settings.images.text, calibration.cameras, camera.width, camera.height);
+  if (status != Status::kOk) say(settings.images.text, "images cannot be given out there");
+}
+
+void end_links() {
+  serial.close();
+  images.close();
+}
+
 void stop_when_wanted(bool& asked) {
   if (stop_wanted == 0 || asked) return;
   Command stop;
@@ -379,6 +415,7 @@ int run() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.answer = on_answer;
   app.configure(calibration, settings.params, sinks);
   app.set_clock(bsp::now);
   if (!start_record()) return kExitBadInput;
@@ -390,6 +427,7 @@ int run() {
     say("trigger", why);
     return kExitBadInput;
   }
+  start_links();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
     say(settings.watchdog.text, why);
@@ -409,11 +447,13 @@ int run() {
     pins.poll();
     stream_output.poll();
     watchdog.poll();
+    serial.poll(bsp::now());
     stop_when_wanted(asked_to_stop);
   }
   (void)app.finish();  // a run that never found a start is no failure of the program
   poses.send(on_pose);
   say_counters();
+  end_links();
   poses.close();
   disk_sync.stop();
   close_pins();

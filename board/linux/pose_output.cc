@@ -82,6 +82,7 @@ void PoseOutput::send(void (*seen)(const Pose&)) {
     Text<kPoseTextMax> line;
     put_line(line, pose->state.t, pose->state.T_WB, pose->health, pose->trust);
     if (text_ == TextOutput::kPoses) write_line(line);
+    if (also_ != nullptr) also_(line);
     if (!has_socket_) continue;
     const Status status = bsp::datagram_send(socket_, to_, line.c_str(), line.size());
     if (status == Status::kOk) {

@@ -26,6 +26,8 @@ class PoseOutput {
   void send(void (*seen)(const Pose&));
   void event(const SyncEvent& event);
   void close();
+  // Whoever wants the lines as well.
+  void also(void (*line)(const TextWriter&)) { also_ = line; }
 
   uint32_t sent() const { return sent_; }
   uint32_t written() const { return written_; }
@@ -38,6 +40,7 @@ class PoseOutput {
   PoseFeed* feed_ = nullptr;
   int consumer_ = 0;
   TextOutput text_ = TextOutput::kNone;
+  void (*also_)(const TextWriter&) = nullptr;
   bool has_socket_ = false;
   bsp::Socket socket_;
   bsp::Endpoint to_;

@@ -4,6 +4,8 @@
 #include <cstring>
 #include <iterator>
 
+#include "board/usb/usb_settings.h"
+
 namespace pirvs::board {
 namespace {
 
@@ -337,6 +339,8 @@ constexpr Key kKeys[] = {
     {"output.text", read_output},
     {"output.poses", read_poses_to},
     {"output.stream", read_stream},
+    {"output.serial", [](std::string_view v, Settings& out) { return read_text(v, out.serial); }},
+    {"output.images", [](std::string_view v, Settings& out) { return read_text(v, out.images); }},
     {"pin.health", [](std::string_view v, Settings& out) { return read_text(v, out.pins.health); }},
     {"pin.health_confidence", read_confidence},
     {"pin.sync_out",
@@ -366,6 +370,10 @@ constexpr Key kKeys[] = {
 const char* set_setting(Settings& settings, std::string_view key, std::string_view value) {
   for (const Key& known : kKeys) {
     if (key == known.name) return known.read(value, settings);
+  }
+  if (is_usb_key(key)) {
+    UsbSettings usb;  // pirvs-usb's: here for their faults alone
+    return set_usb_setting(usb, key, value);
   }
   const std::string_view parameter = behind(key, kParameter);
   if (parameter.empty()) return "no such key";

@@ -29,6 +29,9 @@
 //           imu.delay_us = 0                     of the chip's filter, taken off the stamp
 //           output.text = poses                  or frames, none: lines on standard output
 //           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
+//           output.serial = /dev/ttyGS0          the same lines, and commands (text_commands.h)
+//           output.images = /run/pirvs/images    to one other program that asks (image_share.h)
+//           usb.NAME = VALUE                     pirvs-usb's (board/usb/usb_settings.h)
 //           output.stream = 192.168.7.1:14560    where to listen for those who want the stream;
 //                                                127.0.0.1: programs of this machine
 //           pin.health = gpiochip2:11            high while tracking is good; or a line's name
@@ -91,6 +94,7 @@ struct Settings {
   TextOutput text = TextOutput::kPoses;
   bool has_poses_to = false;
   bsp::Endpoint poses_to;
+  SettingText serial, images;
   bool has_stream = false;
   bsp::Endpoint stream;
   PinSettings pins;

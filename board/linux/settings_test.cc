@@ -37,6 +37,9 @@ TEST(Settings, ReadsAWholeFile) {
                            "imu.delay_us = 2900\n"
                            "output.text = frames\n"
                            "output.poses = 192.168.7.2:14550\n"
+                           "output.serial = /dev/ttyGS0\n"
+                           "output.images = /run/pirvs/images\n"
+                           "usb.size = 752 480\n"
                            "record = /tmp/flight\n"
                            "realtime = no\n"
                            "parameter.frontend.tracks_target = 120\n";
@@ -71,6 +74,8 @@ TEST(Settings, ReadsAWholeFile) {
   EXPECT_EQ(out.iio.rate_hz, 500);
   EXPECT_EQ(out.iio.delay_ns, 2'900'000);
   EXPECT_EQ(out.text, TextOutput::kFrames);
+  EXPECT_STREQ(out.serial.text, "/dev/ttyGS0");
+  EXPECT_STREQ(out.images.text, "/run/pirvs/images");
   ASSERT_TRUE(out.has_poses_to);
   EXPECT_EQ(out.poses_to.address, 0xc0a8'0702u);
   EXPECT_EQ(out.poses_to.port, 14550);
@@ -111,6 +116,8 @@ TEST(Settings, EachBrokenLineIsNamed) {
       {"output.poses = 192.168.7.2:0", "not an address and a port, as 192.168.7.2:14550"},
       {"output.poses = 1.2.3.4:5:6", "not an address and a port, as 192.168.7.2:14550"},
       {"output.poses = 1.2.3.4.5", "not an address and a port, as 192.168.7.2:14550"},
+      {"usb.sise = 640 480", "no such key"},
+      {"usb.video = both", "left, right or none"},
       {"realtime = maybe", "yes or no"},
       {"record = " + std::string(96, 'x'), "longer than 95 bytes"},
       {"parameter.no.such = 1", "no such parameter"},

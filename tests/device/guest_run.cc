@@ -39,7 +39,7 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
   std::ofstream(folder + "/guest")
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
-      << (setup.icm20602 ? "icm20602 " : "") << "loops=" << setup.rounds << "\"\nrobot=\""
+      << (setup.icm20602 ? "icm20602 " : "") << "loop " << setup.loop_s << "\"\nrobot=\""
       << setup.robot << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\n";
 }
 

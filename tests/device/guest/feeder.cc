@@ -1,8 +1,9 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults] [icm20602] [loops=N]. With faults, what kFaults lists goes wrong. With
-// loops, what comes kLoopFrom_ns after its start is played so often: a flight in circles goes on. Runs
-// above pirvsd and below the kernel's threads for interrupts, which else would miss edges.
+// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong. In
+// a loop what comes kLoopFrom_ns after its start is played again and again, for so long: a flight in
+// circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for interrupts,
+// which else would miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
@@ -63,7 +64,7 @@ constexpr FaultAt kFaults[] = {
     {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
 };
 bool with_faults = false, icm20602 = false;
-int rounds = 1;
+double loop_s = 0;
 
 Fault fault_at(uint32_t frame, int camera) {
   for (const FaultAt& fault : kFaults) {
@@ -120,12 +121,26 @@ int16_t counts_of(double value, double scale, Fed& fed) {
   return static_cast<int16_t>(kept);
 }
 
-// The items of a recording whose end is played again and again.
+// A recording whose part [from, end) is played `count` times.
 struct Loops {
   static constexpr TimeNs kLoopFrom_ns = 2'000'000'000;
   int count = 1;
-  TimeNs from = 0, period = 0;
+  TimeNs from = 0, end = INT64_MAX;
 };
+
+// Whole periods of the images, so that their rhythm goes on.
+Loops loops_for(const bsp::Pack& pack, double seconds) {
+  Loops out;
+  const uint32_t frames = pack.header().frame_count;
+  uint32_t first = 0;
+  while (first + 2 < frames && pack.frame(first).t < pack.frame(0).t + Loops::kLoopFrom_ns) ++first;
+  out.from = pack.frame(first).t;
+  out.end = 2 * pack.frame(frames - 1).t - pack.frame(frames - 2).t;
+  const double round_s = to_seconds(out.end - out.from);
+  const double once_s = to_seconds(out.end - pack.frame(0).t);
+  if (seconds > once_s) out.count += static_cast<int>((seconds - once_s) / round_s + 1);
+  return out;
+}
 
 // One stream of the recording, item by item, through all rounds.
 class Cursor {
@@ -133,13 +148,15 @@ class Cursor {
   Cursor(uint32_t total, const Loops& loops) : total_(total), loops_(loops) {}
   template <class TimeOf>
   bool next(TimeOf time_of, uint32_t& index, TimeNs& t) {
-    if (at_ == total_) {
-      if (++round_ >= loops_.count) return false;
+    const bool more_rounds = round_ + 1 < loops_.count;
+    if (more_rounds && (at_ == total_ || time_of(at_) >= loops_.end)) {
+      ++round_;
       at_ = 0;
-      while (at_ < total_ && time_of(at_) < loops_.from) ++at_;
+      while (time_of(at_) < loops_.from) ++at_;
     }
+    if (at_ == total_) return false;
     index = at_++;
-    t = time_of(index) + round_ * loops_.period;
+    t = time_of(index) + round_ * (loops_.end - loops_.from);
     return true;
   }
 
@@ -301,13 +318,7 @@ int feed(const char* path) {
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
-  const uint32_t frames = pack.header().frame_count;
-  const TimeNs end = 2 * pack.frame(frames - 1).t - pack.frame(frames - 2).t;
-  Loops loops;
-  loops.count = rounds;
-  loops.from = begin + Loops::kLoopFrom_ns;
-  loops.period = end - loops.from;
-  feed_all(pack, loops, shift, fed);
+  feed_all(pack, loops_for(pack, loop_s), shift, fed);
   std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
               fed.refused, fed.clipped);
   return 0;
@@ -321,7 +332,8 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) {
     pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
     pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
-    (void)std::sscanf(argv[i], "loops=%d", &pirvs::rounds);
+    const bool loop = std::strcmp(argv[i], "loop") == 0 && i + 1 < argc;
+    if (loop) pirvs::loop_s = std::atof(argv[i + 1]);
   }
   const sched_param urgent{46};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
