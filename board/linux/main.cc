@@ -265,12 +265,12 @@ SensorSetup sensors() {
     camera.event_path = settings.camera_events[c].text;
     camera.controls.sensor = settings.camera_sensor[c].text;
     camera.jpeg = kBoard.jpeg;
+    camera.width = calibration.camera[c].width;
+    camera.height = calibration.camera[c].height;
     if (isp_of(settings.camera[c]) < 0) continue;
     camera.media.table = kBoard.media;
     camera.media.camera = isp_of(settings.camera[c]);
     camera.clock = bsp::StampClock::kBoottime;  // rkisp1's, whatever its flags say
-    camera.width = calibration.camera[c].width;
-    camera.height = calibration.camera[c].height;
   }
   out.iio = settings.iio;
   out.iio.device = settings.imu.text;

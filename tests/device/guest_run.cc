@@ -39,7 +39,8 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
   std::ofstream(folder + "/guest")
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
-      << (setup.icm20602 ? "icm20602" : "") << "\"\nrobot=\"" << setup.robot << "\"\n";
+      << (setup.icm20602 ? "icm20602" : "") << "\"\nrobot=\"" << setup.robot << "\"\ncamera=\""
+      << setup.camera << "\"\nmeanwhile='" << setup.meanwhile << "'\n";
 }
 
 std::string command_of(const GuestSetup& setup, const std::string& in, const std::string& out) {
