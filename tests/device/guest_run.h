@@ -22,7 +22,6 @@ struct GuestSetup {
   std::string robot = "0.1 0 0";  // words for guest/robot.cc
   std::string config;             // more lines of device.cfg
   std::string camera;             // more words for guest/test_camera.c
-  std::string meanwhile;          // commands of the guest's shell, from the feeder's start on
 };
 
 // What pirvsd told at its end, the feeder and the robot.

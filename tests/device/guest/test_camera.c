@@ -3,8 +3,8 @@
 // /dev/test_cameraN: a struct shot and the pixels. As a sensor does, a camera without a free buffer
 // loses the image, and its sequence goes on. A struct shot alone pulls the camera or plugs it in.
 // With exposure=N it has controls of exposure and gain, which begin so and are true of the second
-// image after they were set: what is written is what 4 ms, gain 16 and light 100 show of the scene.
-// Writing to the parameter meddle sets the exposure as another program would.
+// image after they were set: what is written is what 4 ms and gain 16 show of the scene. From image
+// dim_at on it has 30 % of its light; at image meddle_at the exposure is set as another program would.
 #include <linux/miscdevice.h>
 #include <linux/module.h>
 #include <linux/uaccess.h>
@@ -17,9 +17,10 @@
 #define CAMERAS_MAX 4
 
 static int cameras = 2, width = 752, height = 480;
-static int exposure, light = 100;
+static int exposure, dim_at, meddle_at;
 module_param(exposure, int, 0444); // 100 us; 0: no controls
-module_param(light, int, 0644);    // per cent
+module_param(dim_at, int, 0444);
+module_param(meddle_at, int, 0444);
 module_param(cameras, int, 0444);
 module_param(width, int, 0444);
 module_param(height, int, 0444);
@@ -50,6 +51,7 @@ struct camera {
 	struct v4l2_ctrl_handler controls;
 	struct v4l2_ctrl *exposure, *gain;
 	u32 product; // of both, for the next image
+	int shots;
 };
 static struct camera *all[CAMERAS_MAX];
 
@@ -155,6 +157,7 @@ static int add_controls(struct camera *c)
 // The sensor latches its registers when an image begins: the next one has them.
 static void expose(struct camera *c, u8 *pixels, size_t count)
 {
+	u32 light = dim_at && c->shots >= dim_at ? 30 : 100;
 	u8 seen[256];
 	size_t i;
 
@@ -163,18 +166,10 @@ static void expose(struct camera *c, u8 *pixels, size_t count)
 	for (i = 0; i < count; i++)
 		pixels[i] = seen[pixels[i]];
 	c->product = v4l2_ctrl_g_ctrl(c->exposure) * v4l2_ctrl_g_ctrl(c->gain);
+	c->shots++;
+	if (meddle_at && c->shots == meddle_at)
+		v4l2_ctrl_s_ctrl(c->exposure, 3);
 }
-
-static int meddle(const char *text, const struct kernel_param *param)
-{
-	int i, value, result = kstrtoint(text, 10, &value);
-
-	for (i = 0; i < cameras && all[i] && all[i]->exposure && !result; i++)
-		result = v4l2_ctrl_s_ctrl(all[i]->exposure, value);
-	return result;
-}
-static const struct kernel_param_ops meddle_ops = { .set = meddle };
-module_param_cb(meddle, &meddle_ops, NULL, 0200);
 
 // ---- what a test writes -------------------------------------------------------------------------
 
