@@ -23,6 +23,7 @@ struct GuestSetup {
   int timeout_s = 500;   // of this machine
   std::string robot = "0.1 0 0";  // words for guest/robot.cc
   std::string config;             // more lines of device.cfg
+  std::string camera;             // more words for guest/test_camera.c
 };
 
 // What pirvsd told at its end, the feeder and the robot.
