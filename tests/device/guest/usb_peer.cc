@@ -362,10 +362,14 @@ void replug(const bsp::Pack& pack) {
   CameraPeer camera(pack);
   camera.open();
   camera.start();
-  usleep(500'000);  // what lay there from before we listened, and then was dropped
-  serial.read_all();
+  // What lay there from before we listened, and behind it a gap: the device had no room for more.
+  for (int i = 0; i < 50; ++i) {
+    usleep(20'000);
+    serial.read_all();
+    camera.read_all();
+  }
   serial.poses = {};
-  for (int i = 0; i < 150; ++i) {
+  for (int i = 0; i < 125; ++i) {
     usleep(20'000);
     serial.read_all();
     camera.read_all();
