@@ -1,7 +1,8 @@
 # A PC: the program, its tools and all tests. Included by board/<name>/board.mk.
 #
 #   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD); of
-#             board/linux and board/usb what is neither main nor wiring, for its tests
+#             board/linux and board/usb what is neither main nor wiring, of board/pc the JPEG
+#             decoder, for their tests
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
@@ -22,8 +23,8 @@ endif
 
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc %/heap_watch.cc,\
-  $(call find_cc,board/linux board/usb))
+  board/$(BOARD)) $(wildcard board/pc/jpeg*.cc) $(filter-out %/main.cc %/wiring.cc \
+  %/heap_watch.cc,$(call find_cc,board/linux board/usb))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
 EMULATOR_SRC := $(call find_cc,tests/emulator)
@@ -72,7 +73,7 @@ TOOLS := -isystem /usr/include/opencv4
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
   -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lpthread
-LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS)
+LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------

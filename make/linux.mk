@@ -1,7 +1,7 @@
 # Boards under Linux: pirvsd, the device program, one static file. Included by board/<name>/board.mk,
-# which says for which processor: CXX_LINUX, BINUTILS, MACHINE; LIBGPIOD, where its library lies; and
-# where the objects of core and modules come from that it shares with other boards:
-# shared_objects(sources).
+# which says for which processor: CXX_LINUX, BINUTILS, MACHINE; LIBGPIOD, where its library lies;
+# LIBS_LINUX, what its own sources need; and where the objects of core and modules come from that it
+# shares with other boards: shared_objects(sources).
 #
 #   sources   *.cc below core, modules, bsp/linux, board/linux, board/$(BOARD), and drivers of chips
 #             that Linux itself does not drive; no tests
@@ -42,7 +42,8 @@ $(OUT)/sources.list: FORCE
 
 $(OUT)/pirvsd: $(LINUX_OBJ) $(LIBGPIOD) $(OUT)/sources.list
 	@echo "link $@"
-	@$(CXX_LINUX) $(LINUX_LINK) $(HEAP_WATCH) $(LINUX_OBJ) $(LIBGPIOD) -o $@.$$$$ && mv $@.$$$$ $@
+	@$(CXX_LINUX) $(LINUX_LINK) $(HEAP_WATCH) $(LINUX_OBJ) $(LIBGPIOD) $(LIBS_LINUX) -o $@.$$$$ \
+	  && mv $@.$$$$ $@
 
 $(OUT)/pirvs-usb: $(USB_OBJ) $(OUT)/sources.list
 	@echo "link $@"

@@ -21,6 +21,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/disk_sync.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/storage.h"
 #include "core/base/text.h"
@@ -55,6 +56,7 @@ PoseOutput poses;
 Pins pins;
 StreamOutput stream_output;
 Watchdog watchdog;
+bsp::DiskSync disk_sync;
 SerialLink serial;
 ImageShare images;
 Calibration calibration;
@@ -208,6 +210,10 @@ bool read_command_line(int argc, char** argv) {
     }
     if (!take_option(argv[at], argv[at + 1])) return false;
   }
+  if (kBoard.media == nullptr && isp_of(settings.camera[0]) >= 0) {
+    return say_fault("settings", {0, "this board has no ISPs, name a video node", "camera.left"});
+  }
+  finish_settings(settings);
   const ConfigFault fault = find_missing(settings);
   return !fault || say_fault("settings", fault);
 }
@@ -266,8 +272,14 @@ SensorSetup sensors() {
     bsp::V4l2Setup& camera = out.stereo.camera[c];
     camera.path = settings.camera[c].text;
     camera.event_path = settings.camera_events[c].text;
+    camera.controls.sensor = settings.camera_sensor[c].text;
+    camera.jpeg = kBoard.jpeg;
     camera.width = calibration.camera[c].width;
     camera.height = calibration.camera[c].height;
+    if (isp_of(settings.camera[c]) < 0) continue;
+    camera.media.table = kBoard.media;
+    camera.media.camera = isp_of(settings.camera[c]);
+    camera.clock = bsp::StampClock::kBoottime;  // rkisp1's, whatever its flags say
   }
   out.iio = settings.iio;
   out.iio.device = settings.imu.text;
@@ -300,6 +312,7 @@ bool start_record() {
   if (settings.record.text[0] == 0) return true;
   (void)mkdir(settings.record.text, 0755);  // app.record() tells when this was in vain
   bsp::set_storage_directory(settings.record.text);
+  (void)disk_sync.start(settings.record.text);
   const Status status = app.record();
   if (status != Status::kOk) say(settings.record.text, "cannot record there");
   return status == Status::kOk;
@@ -410,6 +423,10 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
+  if (const char* const why = start_trigger(settings.trigger)) {
+    say("trigger", why);
+    return kExitBadInput;
+  }
   start_links();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
@@ -438,6 +455,7 @@ int run() {
   say_counters();
   end_links();
   poses.close();
+  disk_sync.stop();
   close_pins();
   stream_output.close();
   watchdog.close();

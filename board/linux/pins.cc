@@ -42,13 +42,16 @@ bool Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews&
     const char* const name = settings_.sync_in.text;
     const bsp::EdgeKind kind =
         settings_.sync_in_is_pps ? bsp::EdgeKind::kRising : settings_.sync_in_edge;
-    tell_failure(all, name, sync_in_.open(&name, 1, kind, kUser));
+    const char* const why = sync_in_.find(&name, 1);
+    tell_failure(all, name, why != nullptr ? why : sync_in_.open(kind, kUser));
   }
   for (int side = 0; side < 2; ++side) {
     const SettingText(&names)[2] = settings_.wheel[side];
     if (!given(names[0])) continue;
     const char* const both[2] = {names[0].text, names[1].text};
-    tell_failure(all, both[0], wheels_[side].pins.open(both, 2, bsp::EdgeKind::kBoth, kUser));
+    bsp::EdgePins& pins = wheels_[side].pins;
+    const char* const why = pins.find(both, 2);
+    tell_failure(all, both[0], why != nullptr ? why : pins.open(bsp::EdgeKind::kBoth, kUser));
   }
   return all;
 }

@@ -1,5 +1,6 @@
 #include "board/linux/settings.h"
 
+#include <algorithm>
 #include <cstring>
 #include <iterator>
 
@@ -23,6 +24,9 @@ constexpr Choice<bsp::StampClock> kClocks[] = {{"monotonic", bsp::StampClock::kM
 constexpr Choice<bsp::StampMeans> kStamps[] = {{"driver", bsp::StampMeans::kDriver},
                                                {"exposure_start", bsp::StampMeans::kExposureStart},
                                                {"frame_end", bsp::StampMeans::kFrameEnd}};
+constexpr Choice<bsp::GreyRange> kRanges[] = {{"driver", bsp::GreyRange::kDriver},
+                                              {"full", bsp::GreyRange::kFull},
+                                              {"limited", bsp::GreyRange::kLimited}};
 constexpr Choice<TextOutput> kOutputs[] = {
     {"poses", TextOutput::kPoses}, {"frames", TextOutput::kFrames}, {"none", TextOutput::kNone}};
 
@@ -85,6 +89,22 @@ const char* read_stamp(std::string_view value, Settings& out) {
   return good ? nullptr : "driver, exposure_start or frame_end";
 }
 
+const char* read_range(std::string_view value, Settings& out) {
+  const bool good = read_choice_of_both(value, kRanges, &bsp::V4l2Setup::range, out);
+  return good ? nullptr : "driver, full or limited";
+}
+
+// As V4L2 codes it, four characters, or any.
+const char* read_format(std::string_view value, Settings& out) {
+  uint32_t code = 0;
+  if (value != "any" && value.size() != 4) return "any, or four characters, as GREY, YUYV or MJPG";
+  for (size_t i = 0; value != "any" && i < 4; ++i) {
+    code |= static_cast<uint32_t>(static_cast<uint8_t>(value[i])) << 8 * i;
+  }
+  for (auto& camera : out.stereo.camera) camera.format = code;
+  return nullptr;
+}
+
 const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*field,
                               Settings& out) {
   const char* why = nullptr;
@@ -92,6 +112,81 @@ const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*fi
     why = read_time(value, kMicro, 100 * kMilli, camera.*field);
   }
   return why;
+}
+
+const char* read_camera(std::string_view value, SettingText& out) {
+  const bool isp = !behind(value, "isp:").empty();
+  if (isp && value != "isp:0" && value != "isp:1") return "an ISP is isp:0 or isp:1";
+  return read_text(value, out);
+}
+
+// pwm:CHIP.CHANNEL
+const char* read_trigger(std::string_view value, Settings& out) {
+  constexpr const char* kWrong = "none, or pwm: and chip.channel, as pwm:1.0";
+  const std::string_view number = behind(value, "pwm:");
+  size_t dot = 0;
+  while (dot < number.size() && number[dot] != '.') ++dot;
+  int64_t chip = -1, channel = 0;
+  if (value != "none" &&
+      (dot >= number.size() || !read_whole({number.data(), dot}, 0, 63, chip) ||
+       !read_whole({number.data() + dot + 1, number.size() - dot - 1}, 0, 63, channel))) {
+    return kWrong;
+  }
+  out.trigger.pwm_chip = static_cast<int>(chip);
+  out.trigger.pwm_channel = static_cast<int>(channel);
+  return nullptr;
+}
+
+const char* read_trigger_rate(std::string_view value, Settings& out) {
+  double rate_hz = 0;
+  if (!read_numbers(value, &rate_hz, 1) || rate_hz < 1 || rate_hz > 200) {
+    return "not a rate from 1 to 200 Hz";
+  }
+  out.trigger.timing.period_ns = static_cast<uint32_t>(from_seconds(1 / rate_hz));
+  return nullptr;
+}
+
+const char* read_trigger_width(std::string_view value, Settings& out) {
+  TimeNs width = 0;
+  const char* const why = read_time(value, kMicro, 100 * kMilli, width);
+  if (why == nullptr) out.trigger.timing.width_ns = static_cast<uint32_t>(width);
+  return why;
+}
+
+// auto, camera, or microseconds.
+const char* read_exposure(std::string_view value, Settings& out) {
+  ExposureParams& exposure = out.params.exposure;
+  double us = 0;
+  const bool word = value == "auto" || value == "camera";
+  if (!word && (!read_numbers(value, &us, 1) || us < 10 || us > 200e3)) {
+    return "auto, camera, or 10 to 200000 microseconds";
+  }
+  exposure.automatic = value == "camera" ? 0 : 1;
+  exposure.exposure_s = static_cast<float>(1e-6 * us);
+  return nullptr;
+}
+
+const char* read_gain(std::string_view value, Settings& out) {
+  double gain = 0;
+  if (value != "auto" && (!read_numbers(value, &gain, 1) || gain < 1 || gain > 64)) {
+    return "auto, or a factor from 1 to 64";
+  }
+  out.params.exposure.gain = static_cast<float>(gain);
+  return nullptr;
+}
+
+const char* read_gain_one(std::string_view value, Settings& out) {
+  int64_t code = 0;
+  if (!read_whole(value, 0, 65'535, code)) return "not a code from 0 to 65535";
+  for (auto& camera : out.stereo.camera) camera.controls.gain_one = static_cast<int>(code);
+  return nullptr;
+}
+
+const char* read_delay(std::string_view value, Settings& out) {
+  int64_t images = 0;
+  if (!read_whole(value, 0, 8, images)) return "not a number of images from 0 to 8";
+  for (auto& camera : out.stereo.camera) camera.control_delay = static_cast<int>(images);
+  return nullptr;
 }
 
 // 192.168.7.2:14550
@@ -196,13 +291,28 @@ struct Key {
 constexpr Key kKeys[] = {
     {"calibration",
      [](std::string_view v, Settings& out) { return read_text(v, out.calibration); }},
-    {"camera.left", [](std::string_view v, Settings& out) { return read_text(v, out.camera[0]); }},
-    {"camera.right", [](std::string_view v, Settings& out) { return read_text(v, out.camera[1]); }},
+    {"camera.left",
+     [](std::string_view v, Settings& out) { return read_camera(v, out.camera[0]); }},
+    {"camera.right",
+     [](std::string_view v, Settings& out) { return read_camera(v, out.camera[1]); }},
+    {"trigger", read_trigger},
+    {"trigger.rate_hz", read_trigger_rate},
+    {"trigger.width_us", read_trigger_width},
     {"camera.left_events",
      [](std::string_view v, Settings& out) { return read_text(v, out.camera_events[0]); }},
     {"camera.right_events",
      [](std::string_view v, Settings& out) { return read_text(v, out.camera_events[1]); }},
+    {"camera.left_sensor",
+     [](std::string_view v, Settings& out) { return read_text(v, out.camera_sensor[0]); }},
+    {"camera.right_sensor",
+     [](std::string_view v, Settings& out) { return read_text(v, out.camera_sensor[1]); }},
+    {"camera.exposure", read_exposure},
+    {"camera.gain", read_gain},
+    {"camera.gain_one", read_gain_one},
+    {"camera.control_delay", read_delay},
     {"camera.pairing", read_pairing},
+    {"camera.format", read_format},
+    {"camera.range", read_range},
     {"camera.clock", read_clock},
     {"camera.stamp", read_stamp},
     {"camera.exposure_us",
@@ -269,6 +379,20 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   if (parameter.empty()) return "no such key";
   const ParamAnswer answer = set_parameter(settings.params, parameter, value);
   return answer.ok() ? nullptr : name(answer.status);
+}
+
+int isp_of(const SettingText& camera) {
+  const std::string_view number = behind(camera.text, "isp:");
+  return number.empty() ? -1 : number[0] - '0';
+}
+
+void finish_settings(Settings& settings) {
+  if (settings.trigger.pwm_chip < 0) return;
+  ExposureParams& exposure = settings.params.exposure;
+  const float period_s = static_cast<float>(to_seconds(settings.trigger.timing.period_ns));
+  constexpr float kLeast_s = 1e-4f;  // as its row allows
+  exposure.longest_s =
+      std::clamp(period_s - exposure.readout_s, kLeast_s, std::max(kLeast_s, exposure.longest_s));
 }
 
 ConfigFault find_missing(const Settings& settings) {

@@ -2,16 +2,26 @@
 // In      Its text.
 // Out     What is set, defaults else. Keys:
 //           calibration = calibration.cfg        needed; `pirvs calibration` writes it
-//           camera.left = /dev/video0            needed
+//           camera.left = /dev/video0            needed; isp:0, isp:1 by the board's table
 //           camera.right = /dev/video2           needed with a calibration of two cameras
 //           camera.pairing = trigger             or stamp: free-running cameras
 //           camera.pair_ms = 1                   how far the stamps of one trigger may differ
 //           camera.period_ms = 50                nominal, for pairing by stamp
+//           camera.format = any                  or a code of V4L2: GREY, YUYV, RGGB, MJPG (pc) ...
+//           camera.range = driver                or full, limited: what black and white are
 //           camera.clock = monotonic             or boottime: of the driver's stamps
 //           camera.stamp = driver                as its flags say; exposure_start, frame_end
-//           camera.exposure_us = 0               0: the camera's control says it
+//           camera.exposure = auto               ours, of both; camera: its own; or microseconds
+//           camera.gain = auto                   or a factor
+//           camera.gain_one = 0                  code of factor 1; 0: the control's least, above 0
+//           camera.control_delay = 2             images until a command is true
+//           camera.left_sensor = /dev/v4l-subdev1    who has the controls; right_sensor likewise
+//           camera.exposure_us = 0               for stamps; 0: the camera's control says it
 //           camera.readout_us = 0                end of exposure to end of frame
 //           camera.left_events = /dev/v4l-subdev0    who sends FRAME_SYNC; right_events likewise
+//           trigger = none                       or pwm:CHIP.CHANNEL, of /sys/class/pwm
+//           trigger.rate_hz = 20
+//           trigger.width_us = 1000
 //           imu = iio:0                          needed: number or name, iio:mpu6500; or
 //                                                icm20602:BUS or BUS:ADDRESS, icm20602:1:69
 //           imu.data_ready = HEADER_13           its interrupt's pin, for icm20602
@@ -43,6 +53,7 @@
 
 #include <string_view>
 
+#include "board/linux/wiring.h"
 #include "bsp/api/datagram.h"
 #include "bsp/api/gpio.h"
 #include "bsp/linux/i2c_imu.h"
@@ -72,8 +83,9 @@ struct PinSettings {
 
 struct Settings {
   SettingText calibration;
-  SettingText camera[kCamerasMax], camera_events[kCamerasMax];
+  SettingText camera[kCamerasMax], camera_events[kCamerasMax], camera_sensor[kCamerasMax];
   bsp::V4l2StereoSetup stereo;  // without its cameras' paths and sizes
+  TriggerSetup trigger;
   SettingText imu;
   bsp::IioSetup iio;  // without its device
   bool imu_is_on_i2c = false;
@@ -98,6 +110,10 @@ inline constexpr size_t kSettingsTextMax = 16'384;
 // One `key=value`, as a line of the file: nullptr, or what is wrong. For the command line.
 [[nodiscard]] const char* set_setting(Settings& settings, std::string_view key,
                                       std::string_view value);
+// Which of the board's ISPs a camera is, -1: a node.
+int isp_of(const SettingText& camera);
+// What follows from several keys: no exposure outlasts the trigger's period.
+void finish_settings(Settings& settings);
 // What the file and the command line have left out.
 [[nodiscard]] ConfigFault find_missing(const Settings& settings);
 

@@ -4,6 +4,7 @@
 #include "bsp/api/tick.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/i2c_dev.h"
+#include "bsp/linux/pwm_trigger.h"
 
 namespace pirvs {
 namespace {
@@ -14,6 +15,7 @@ bsp::I2cImu i2c_imu;
 bsp::I2cDev i2c;
 Status i2c_answer = Status::kStale;  // of the one transfer under way
 bool imu_is_on_i2c = false;
+bsp::PwmTrigger trigger;
 TimeNs next_tick = 0;
 int door_core = 0;
 void (*frame_taken)(const StereoFrame&) = nullptr;
@@ -46,7 +48,14 @@ void board::wire_sensors(const SensorSetup& setup) {
   }
 }
 
+const char* board::start_trigger(const TriggerSetup& setup) {
+  if (setup.pwm_chip < 0) return nullptr;
+  trigger.configure(setup.pwm_chip, setup.pwm_channel);
+  return bsp::trigger_start(0, setup.timing).ok() ? nullptr : trigger.why();
+}
+
 void board::unwire_sensors() {
+  (void)trigger.stop();
   for (Waited& waited : camera_waited) waited.set(-1);
   imu_waited.set(-1);
   stereo.close();
@@ -109,7 +118,16 @@ void camera_retain(FrameId id) { stereo.retain(id); }
 
 void camera_release(FrameId id) { stereo.release(id); }
 
-Status camera_control(const CameraControl&) { return Status::kNotFound; }
+Result<CameraRange> camera_range() { return stereo.range(); }
+
+Status camera_control(const CameraControl& control) { return stereo.control(control); }
+
+Result<TriggerStart> trigger_start(int output, const TriggerTiming& timing) {
+  if (output != 0) return Status::kNotFound;
+  return trigger.start(timing);
+}
+
+Status trigger_stop(int output) { return output == 0 ? trigger.stop() : Status::kNotFound; }
 
 Status tick_poll(TimeNs& out) {
   const TimeNs t = now();

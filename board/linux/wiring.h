@@ -8,11 +8,18 @@
 // Source  docs/adr/0010-a-live-board-under-linux.md.
 #pragma once
 
+#include "bsp/api/trigger.h"
 #include "bsp/linux/i2c_imu.h"
 #include "bsp/linux/iio.h"
 #include "bsp/linux/v4l2_stereo.h"
 
 namespace pirvs::board {
+
+// Who drives the cameras. As output 0 of bsp/api/trigger.h.
+struct TriggerSetup {
+  int pwm_chip = -1, pwm_channel = 0;  // -1: nobody here
+  bsp::TriggerTiming timing = {50'000'000, 1'000'000, 0, false};
+};
 
 struct SensorSetup {
   bsp::V4l2StereoSetup stereo;
@@ -26,6 +33,8 @@ struct SensorSetup {
 };
 
 void wire_sensors(const SensorSetup& setup);
+// nullptr, or what is wrong. unwire_sensors() stops it.
+const char* start_trigger(const TriggerSetup& setup);
 void unwire_sensors();
 
 // Counters of the drivers by name, `camera.left.lost` and so on.

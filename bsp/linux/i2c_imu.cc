@@ -25,6 +25,8 @@ void I2cImu::configure(const I2cImuSetup& setup, const DeviceNews& news) {
   PIRVS_ASSERT(!started_);
   setup_ = setup;
   teller_.configure(news);
+  not_found_ = data_ready_.find(&setup_.data_ready, 1);
+  if (!start()) tell("no thread for the IMU");
 }
 
 bool I2cImu::start() {
@@ -56,7 +58,7 @@ void I2cImu::close() {
 // ---- the door's core ---------------------------------------------------------------------------
 
 Status I2cImu::poll(ImuSample& out) {
-  if (!started_ && !start()) return gone_.answer();
+  if (!started_) return gone_.answer();
   const Sampled* sampled = samples_.front();
   if (sampled == nullptr) {
     uint64_t events = 0;
@@ -78,8 +80,8 @@ Status I2cImu::temperature(float& degrees_C) const {
 // ---- the IMU's thread --------------------------------------------------------------------------
 
 const char* I2cImu::open() {
-  const char* const name = setup_.data_ready;
-  if (const char* const why = data_ready_.open(&name, 1, EdgeKind::kRising, "pirvsd")) return why;
+  if (not_found_ != nullptr) return not_found_;
+  if (const char* const why = data_ready_.open(EdgeKind::kRising, "pirvsd")) return why;
   chip_.emplace(setup_.bus, setup_.address);
   told_ = {};
   switch (chip_->set_up()) {
@@ -139,11 +141,7 @@ bool I2cImu::serve() {
 
 bool I2cImu::step() {
   const Status status = chip_->step(now());
-  if (status == Status::kOk) {
-    if (chip_->busy()) errors_in_row_ = 0;
-    return true;
-  }
-  return recover(status);
+  return status == Status::kOk || recover(status);
 }
 
 // False: it is gone.
@@ -185,6 +183,7 @@ void I2cImu::hand_over() {
   counters_.rejected += now_counted.rejected - told_.rejected;
   told_ = now_counted;
   if (!any) return;
+  errors_in_row_ = 0;
   tell("IMU started");  // again, after it was set up anew
   temperature_C_ = chip_->temperature_C();
   temperature_known_ = true;

@@ -1,6 +1,6 @@
 // The IMU as a chip on /dev/i2c-N whose interrupt is a pin: the driver of bsp/drivers/icm20602, on a
 // thread of its own, since its transfers sleep.
-// In      configure(), then poll(), close(): from one core. bsp::i2c_start must mean that bus.
+// In      configure(), which starts the thread, then poll(), close(): from one core. bsp::i2c_start must mean that bus.
 // Out     poll: as imu_poll. t: of the data-ready edge, stamped by the kernel, less the filter's
 //         delay. temperature(): of the chip.
 // Frames  B: the chip's axes.
@@ -95,6 +95,7 @@ class I2cImu {
   Ring<Sampled, 64> samples_;
   // The thread's own.
   EdgePins data_ready_;
+  const char* not_found_ = nullptr;  // why; it is looked for once, before the run
   std::optional<Icm20602> chip_;
   Icm20602::Counters told_;
   int errors_in_row_ = 0;

@@ -53,7 +53,7 @@ bool find_place(const char* name, Place& out) {
   std::memcpy(out.chip, name, length);
   out.chip[length] = 0;
   out.offset = static_cast<unsigned>(offset);
-  return offset < GPIO_V2_LINES_MAX * 16;
+  return offset <= UINT8_MAX;
 }
 
 uint64_t flags_of(EdgeKind kind) {
@@ -64,7 +64,7 @@ uint64_t flags_of(EdgeKind kind) {
 }
 
 // The node and number of a chip by its name or label. False: there is none.
-bool find_chip(const char* name, Text<kNameMax>& path, uint8_t& number) {
+bool find_chip(const char* name, TextWriter& path, uint8_t& number) {
   constexpr const char* kChip = "gpiochip";
   constexpr size_t kChipSize = 8;
   const auto set = [&](const char* node) {
@@ -84,12 +84,10 @@ bool find_chip(const char* name, Text<kNameMax>& path, uint8_t& number) {
 
 // ---- edges -------------------------------------------------------------------------------------
 
-const char* EdgePins::open(const char* const* names, int count, EdgeKind kind, const char* user,
-                           const SystemCalls& calls) {
-  PIRVS_ASSERT(count >= 1 && count <= kPinsMax && kind != EdgeKind::kNone);
+const char* EdgePins::find(const char* const* names, int count) {
+  PIRVS_ASSERT(count >= 1 && count <= kPinsMax);
   close();
-  calls_ = &calls;
-  gpio_v2_line_request request{};
+  path_[0] = 0;
   char chip[kNameMax] = "";
   for (int i = 0; i < count; ++i) {
     Place place;
@@ -98,25 +96,37 @@ const char* EdgePins::open(const char* const* names, int count, EdgeKind kind, c
       return "both pins of an encoder must be of one chip";
     }
     std::memcpy(chip, place.chip, sizeof chip);
-    request.offsets[i] = place.offset;
+    pins_[i].line = static_cast<uint8_t>(place.offset);
   }
-  Text<kNameMax> path;
+  Text<sizeof path_> path;
   uint8_t number = 0;
   if (!find_chip(chip, path, number)) return reason_of_errno();
-  const int node = calls_->open(path.c_str());
-  if (node < 0) return reason_of_errno();
-  request.num_lines = static_cast<uint32_t>(count);
+  if (path.full()) return kNoSuchPin;
+  std::memcpy(path_, path.c_str(), path.size() + 1);
+  count_ = count;
+  for (int i = 0; i < count; ++i) pins_[i].bank = number;
+  return nullptr;
+}
+
+const char* EdgePins::open(EdgeKind kind, const char* user, const SystemCalls& calls) {
+  PIRVS_ASSERT(kind != EdgeKind::kNone);
+  close();
+  if (path_[0] == 0) return kNoSuchPin;
+  calls_ = &calls;
+  gpio_v2_line_request request{};
+  for (int i = 0; i < count_; ++i) request.offsets[i] = pins_[i].line;
+  request.num_lines = static_cast<uint32_t>(count_);
   request.event_buffer_size = kKernelEdges;
   request.config.flags = flags_of(kind);
   std::strncpy(request.consumer, user, sizeof request.consumer - 1);
+  const int node = calls_->open(path_);
+  if (node < 0) return reason_of_errno();
   const int status = calls_->ioctl(node, GPIO_V2_GET_LINE_IOCTL, &request);
   const char* const reason = status == 0 ? nullptr : reason_of_errno();
   calls_->close(node);
   if (reason != nullptr) return reason;
   fd_ = request.fd;
   fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
-  count_ = count;
-  for (int i = 0; i < count; ++i) pins_[i] = {number, static_cast<uint8_t>(request.offsets[i])};
   return nullptr;
 }
 

@@ -2,10 +2,11 @@
 // which libgpiod 1.6 uses, keeps 16 edges a line and loses more without a word.
 // In      A pin's name: that of its line, as gpioinfo lists it, SYNC_OUT; or its chip and offset,
 //         gpiochip2:11, where the chip may also be named by its label. `user`: what gpioinfo shows.
+//         EdgePins::find() looks the names up, with libgpiod's heap; open() takes none.
 // Out     OutputPin::write: the level is driven at once. EdgePins::poll: the oldest edge of its
 //         pins, those of all of them in the order in which they came. t: CLOCK_MONOTONIC, taken in
 //         the kernel's interrupt handler.
-// Errors  open: nullptr, or why not, for a person. EdgePins::poll: kEmpty: nothing now; kFull:
+// Errors  find, open: nullptr, or why not, for a person. EdgePins::poll: kEmpty: nothing now; kFull:
 //         edges were lost before this one, which is good; kBusFault: the chip is gone.
 // Cost    A system call a write; one for up to 64 edges. No heap but libgpiod's own at open().
 // Source  kernel, include/uapi/linux/gpio.h; docs/adr/0011-pins-of-linux.md.
@@ -27,8 +28,9 @@ class EdgePins {
   static constexpr int kPinsMax = 2;
   static constexpr uint32_t kKernelEdges = 1024;  // the most that the kernel keeps: 51 ms at 20 kHz
 
-  const char* open(const char* const* names, int count, EdgeKind kind, const char* user,
-                   const SystemCalls& calls = kSystemCalls);
+  const char* find(const char* const* names, int count);
+  // Of those found.
+  const char* open(EdgeKind kind, const char* user, const SystemCalls& calls = kSystemCalls);
   void close();
   Status poll(GpioEdge& out);
 
@@ -46,6 +48,7 @@ class EdgePins {
 
   const SystemCalls* calls_ = &kSystemCalls;
   int fd_ = -1;
+  char path_[32] = "";  // of their chip; empty: not found
   Pin pins_[kPinsMax];
   int count_ = 0;
   GpioEdge edges_[kBatch];

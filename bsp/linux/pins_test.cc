@@ -60,7 +60,8 @@ class edge_pins : public testing::Test {
   }
   const char* open_encoder() {
     const char* const names[] = {"gpiochip2:11", "gpiochip2:12"};
-    return pins_.open(names, 2, EdgeKind::kBoth, "pirvsd", kFake);
+    const char* const why = pins_.find(names, 2);
+    return why != nullptr ? why : pins_.open(EdgeKind::kBoth, "pirvsd", kFake);
   }
   EdgePins pins_;
   GpioEdge edge_;
@@ -106,10 +107,11 @@ TEST_F(edge_pins, that_cannot_be_had_say_why) {
   EXPECT_NE(std::string(open_encoder()).find("no such pin"), std::string::npos);
   EXPECT_EQ(pins_.poll(edge_), Status::kBusFault);
   for (const char* name : {"gpiochip2:", ":3", "gpiochip2:x", "gpiochip2:-1", "no_such_line"}) {
-    EXPECT_NE(pins_.open(&name, 1, EdgeKind::kRising, "pirvsd", kFake), nullptr) << name;
+    EXPECT_NE(pins_.find(&name, 1), nullptr) << name;
   }
   const char* const apart[] = {"gpiochip1:1", "gpiochip2:1"};
-  EXPECT_NE(pins_.open(apart, 2, EdgeKind::kBoth, "pirvsd", kFake), nullptr);
+  EXPECT_NE(pins_.find(apart, 2), nullptr);
+  EXPECT_NE(pins_.open(EdgeKind::kBoth, "pirvsd", kFake), nullptr) << "none was found";
 }
 
 TEST_F(edge_pins, of_a_chip_that_is_gone_are_a_bus_fault) {

@@ -22,6 +22,7 @@
 #include "modules/calibration/calibration.h"
 #include "modules/door/door.h"
 #include "modules/door/inbox.h"
+#include "modules/exposure/auto_exposure.h"
 #include "modules/map/map_file.h"
 #include "modules/output/output.h"
 #include "modules/recorder/recorder.h"
@@ -110,6 +111,7 @@ class App {
   void interrupt(TimeNs t, const char* why);
   void end_when_done();
   void tell_late(TimeNs now);
+  void control_exposure();
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
@@ -128,6 +130,8 @@ class App {
   Output output_;
   Recorder recorder_;
   MapIndex map_index_;
+  AutoExposure exposure_;
+  bool cameras_obey_ = true;  // until they say that they cannot be told
 
   Inbox inbox_;
   ArrivalSource replayed_;

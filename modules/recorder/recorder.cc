@@ -141,10 +141,23 @@ void Recorder::check(Status status) {
 
 Status Recorder::write_row(Table& table) {
   PIRVS_ASSERT(!table.block.full());
-  if (table.block.room() >= kOrderRowMax) return Status::kOk;
+  return table.block.room() >= kOrderRowMax ? Status::kOk : write_block(table);
+}
+
+Status Recorder::write_block(Table& table) {
+  if (table.block.size() == 0) return Status::kOk;
   const Status status = bsp::storage_write(table.file, table.block.c_str(), table.block.size());
   table.block.clear();
   return status;
+}
+
+void Recorder::flush_when_due() {
+  const TimeNs t = bsp::now();
+  if (t < flush_t_ || failed_) return;
+  flush_t_ = t + kFlush_ns;
+  for (Table* table : {&imu_, &order_, &maps_, &camera_[0], &camera_[1]}) {
+    if (table->open) check(write_block(*table));
+  }
 }
 
 Status Recorder::write_sample(const ImuSample& sample) {
@@ -219,6 +232,7 @@ Step Recorder::step() {
     map_ring_.pop();
     worked = true;
   }
+  if (worked) flush_when_due();
   const StereoFrame* const frame = frame_ring_.front();
   if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
   for (int c = 0; c < kCamerasMax; ++c) {

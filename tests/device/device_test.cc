@@ -239,11 +239,9 @@ TEST(device_faults, of_the_chip_and_of_the_machine_are_survived_and_counted) {
               text_of(got.folder + "/trouble").c_str());
   EXPECT_TRUE(got.says("pirvsd ended with 0")) << got.console;
   EXPECT_GE(got.counter("imu.bus_errors"), 1u);
-  EXPECT_GE(got.counter("imu.resets"), 1u);
-  EXPECT_GE(got.counter("imu.silent"), 1u);
+  EXPECT_GE(got.counter("imu.silent"), 2u) << "after a brown-out it sleeps, and lost interrupts";
   EXPECT_GE(got.counter("imu.unplugged"), 1u) << "0.6 s without an answer";
   EXPECT_GE(got.counter("imu.samples"), fed_recording().imu.size() / 2);
-  EXPECT_TRUE(got.says("the IMU was reset: setting it up anew"));
   EXPECT_TRUE(got.says("data-ready edges are missing: setting the IMU up anew"));
   EXPECT_TRUE(got.says("LEFT_A: the pin is busy"));
   const std::string kernel = text_of(got.folder + "/kernel");

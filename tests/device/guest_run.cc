@@ -39,13 +39,15 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
   std::ofstream(folder + "/guest")
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
-      << (setup.icm20602 ? "icm20602" : "") << "\"\nrobot=\"" << setup.robot << "\"\n";
+      << (setup.icm20602 ? "icm20602 " : "") << "loop " << setup.loop_s << "\"\nrobot=\""
+      << setup.robot << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\n";
 }
 
 std::string command_of(const GuestSetup& setup, const std::string& in, const std::string& out) {
   const std::string build = build_folder();
   std::string command = "tools/device/run --kernel " + build + "/device --recording " + in +
-                        "/recording.pack --out " + out + " --timeout 500";
+                        "/recording.pack --out " + out + " --timeout " +
+                        std::to_string(setup.timeout_s);
   for (const char* module :
        {"virtio_pci", "virtio_blk", "videodev", "videobuf2-v4l2", "videobuf2-vmalloc",
         "industrialio-triggered-buffer", "inv-mpu6050-i2c", "i2c-dev"}) {

@@ -19,6 +19,8 @@ struct GuestSetup {
   bool icm20602 = false;  // the IMU as a chip on I2C, else by the kernel's driver
   bool record = true;
   bool trouble = false;  // the clock is set, memory runs out, and the disk that is recorded on
+  int rounds = 1;        // how often the recording's end is played
+  int timeout_s = 500;   // of this machine
   std::string robot = "0.1 0 0";  // words for guest/robot.cc
   std::string config;             // more lines of device.cfg
 };

@@ -32,6 +32,7 @@ MODULES = {
     "mapping": ["state", "imu", "map", "matching"],
     "output": ["state", "imu", "health"],
     "stream": ["state", "health", "output"],
+    "exposure": [],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
 }

@@ -96,7 +96,10 @@ int listen_to(const Options& options) {
                    options.from.c_str());
     }
   }
-  if (!listener.heard()) throw InputError(options.from + ": nothing was heard");
+  if (!listener.heard()) {
+    throw InputError("nothing was heard", options.from,
+                     "does pirvsd run there, with output.stream?");
+  }
   if (!options.out.empty()) {
     log.write(options.from, listener.clock());
     std::fprintf(stderr, "%s: %zu poses, %.1f m\n", options.out.c_str(), log.poses().size(),

@@ -31,7 +31,7 @@ Listener::Listener(const std::string& from, uint32_t kinds) : kinds_(kinds) {
                       std::memcmp(magic, kFileMagic, sizeof magic) == 0;
     if (ours) return;
     if (file_ != nullptr) std::fclose(file_);
-    throw InputError(from + ": not a stream that `pirvs listen --record` has written");
+    throw InputError("not a recorded stream", from, "give a file of `pirvs listen --record`");
   }
   const size_t colon = from.rfind(':');
   if (colon == std::string::npos) {
@@ -59,14 +59,14 @@ void Listener::connect_to(const std::string& host, const std::string& port) {
   addrinfo* found = nullptr;
   const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
   if (error != 0) {
-    throw InputError(host + ": no such device or file (" + gai_strerror(error) +
-                     "); on USB it is 192.168.7.1");
+    throw InputError(std::string("no such device or file, ") + gai_strerror(error), host,
+                     "on USB it is 192.168.7.1");
   }
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const bool connected = fd_ >= 0 && connect(fd_, found->ai_addr, found->ai_addrlen) == 0;
   const std::string why = std::strerror(errno);
   freeaddrinfo(found);
-  if (!connected) throw InputError(host + ": cannot be reached (" + why + ")");
+  if (!connected) throw InputError("cannot be reached, " + why, host, "is its network up?");
   const int room = 4 << 20;  // while this program writes files
   (void)setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
 }
@@ -75,7 +75,7 @@ void Listener::record(const std::string& path) {
   record_path_ = path;
   record_ = std::fopen(path.c_str(), "wb");
   if (record_ == nullptr || std::fwrite(kFileMagic, sizeof kFileMagic, 1, record_) != 1) {
-    throw InputError(path + ": cannot be written (" + std::strerror(errno) + ")");
+    throw InputError(std::strerror(errno), path, "give another file");
   }
 }
 
@@ -86,7 +86,7 @@ void Listener::write(const Datagram& datagram) {
   const bool good = std::fwrite(&datagram.t_arrival, sizeof datagram.t_arrival, 1, record_) == 1 &&
                     std::fwrite(&size, sizeof size, 1, record_) == 1 &&
                     std::fwrite(datagram.bytes, 1, size, record_) == size;
-  if (!good) throw InputError(record_path_ + ": cannot be written (" + std::strerror(errno) + ")");
+  if (!good) throw InputError(std::strerror(errno), record_path_, "give another file");
 }
 
 // A last datagram that was cut off ends the file.

@@ -1,8 +1,9 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong.
-// In a loop a recording of a device at rest is played for so long, its end followed by its begin.
-// Runs above all programs and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong. In
+// a loop what comes kLoopFrom_ns after its start is played again and again, for so long: a flight in
+// circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for interrupts,
+// which else would miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
@@ -63,6 +64,7 @@ constexpr FaultAt kFaults[] = {
     {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
 };
 bool with_faults = false, icm20602 = false;
+double loop_s = 0;
 
 Fault fault_at(uint32_t frame, int camera) {
   for (const FaultAt& fault : kFaults) {
@@ -119,36 +121,106 @@ int16_t counts_of(double value, double scale, Fed& fed) {
   return static_cast<int16_t>(kept);
 }
 
-// The samples before `end`.
-void feed_imu(const bsp::Pack& pack, TimeNs shift, TimeNs end, Fed& fed) {
-  constexpr double kPi = 3.14159265358979323846;
-  static const double force = icm20602
-                                  ? 8.0 / 32768 * 9.80665
-                                  : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
-  static const double rate = icm20602
-                                 ? 2000.0 / 32768 * kPi / 180
-                                 : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
-  static const int fd = open("/dev/test_imu", O_WRONLY);
-  if (fd < 0) fail("/dev/test_imu");
-  size_t fault = icm20602 && with_faults ? 0 : std::size(kImuFaults);
-  for (uint32_t i = 0; i < pack.header().imu_count && pack.imu(i).t < end; ++i) {
-    const ImuSample in = pack.imu(i);
+// A recording whose part [from, end) is played `count` times.
+struct Loops {
+  static constexpr TimeNs kLoopFrom_ns = 2'000'000'000;
+  int count = 1;
+  TimeNs from = 0, end = INT64_MAX;
+};
+
+// Whole periods of the images, so that their rhythm goes on.
+Loops loops_for(const bsp::Pack& pack, double seconds) {
+  Loops out;
+  const uint32_t frames = pack.header().frame_count;
+  uint32_t first = 0;
+  while (first + 2 < frames && pack.frame(first).t < pack.frame(0).t + Loops::kLoopFrom_ns) ++first;
+  out.from = pack.frame(first).t;
+  out.end = 2 * pack.frame(frames - 1).t - pack.frame(frames - 2).t;
+  const double round_s = to_seconds(out.end - out.from);
+  const double once_s = to_seconds(out.end - pack.frame(0).t);
+  if (seconds > once_s) out.count += static_cast<int>((seconds - once_s) / round_s + 1);
+  return out;
+}
+
+// One stream of the recording, item by item, through all rounds.
+class Cursor {
+ public:
+  Cursor(uint32_t total, const Loops& loops) : total_(total), loops_(loops) {}
+  template <class TimeOf>
+  bool next(TimeOf time_of, uint32_t& index, TimeNs& t) {
+    const bool more_rounds = round_ + 1 < loops_.count;
+    if (more_rounds && (at_ == total_ || time_of(at_) >= loops_.end)) {
+      ++round_;
+      at_ = 0;
+      while (time_of(at_) < loops_.from) ++at_;
+    }
+    if (at_ == total_) return false;
+    index = at_++;
+    t = time_of(index) + round_ * (loops_.end - loops_.from);
+    return true;
+  }
+
+ private:
+  uint32_t total_, at_ = 0;
+  int round_ = 0;
+  Loops loops_;
+};
+
+class ImuFeed {
+ public:
+  ImuFeed(const bsp::Pack& pack, const Loops& loops, TimeNs shift)
+      : pack_(pack), cursor_(pack.header().imu_count, loops), shift_(shift) {
+    constexpr double kPi = 3.14159265358979323846;
+    force_ = icm20602 ? 8.0 / 32768 * 9.80665
+                      : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+    rate_ = icm20602 ? 2000.0 / 32768 * kPi / 180
+                     : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+    fd_ = open("/dev/test_imu", O_WRONLY);
+    if (fd_ < 0) fail("/dev/test_imu");
+    if (!icm20602 || !with_faults) fault_ = std::size(kImuFaults);
+  }
+
+  // All samples up to a time of the recording.
+  void feed(TimeNs until, Fed& fed) {
+    while (ahead_t_ <= until) {
+      uint32_t index = 0;
+      TimeNs t = 0;
+      if (!cursor_.next([this](uint32_t i) { return pack_.imu(i).t; }, index, t)) return;
+      ahead_t_ = t;
+      feed_one(pack_.imu(index), t, fed);
+    }
+  }
+
+ private:
+  void put(const Sample& sample) const {
+    if (write(fd_, &sample, sizeof sample) != sizeof sample) fail("a sample");
+  }
+
+  void feed_one(const ImuSample& in, TimeNs t, Fed& fed) {
     Sample out{};
-    while (fault < std::size(kImuFaults) && in.t > pack.imu(0).t + kImuFaults[fault].after_ns) {
-      out.t_ns = pack.imu(0).t + kImuFaults[fault].after_ns + shift;
-      out.fault = kImuFaults[fault++].what;
-      if (write(fd, &out, sizeof out) != sizeof out) fail("a fault");
+    const TimeNs begin = pack_.imu(0).t;
+    while (fault_ < std::size(kImuFaults) && t > begin + kImuFaults[fault_].after_ns) {
+      out.t_ns = begin + kImuFaults[fault_].after_ns + shift_;
+      out.fault = kImuFaults[fault_++].what;
+      put(out);
       out.fault = 0;
     }
-    out.t_ns = in.t + shift;
+    out.t_ns = t + shift_;
     for (int k = 0; k < 3; ++k) {
-      out.force[k] = counts_of(in.f_B(k), force, fed);
-      out.rate[k] = counts_of(in.w_B(k), rate, fed);
+      out.force[k] = counts_of(in.f_B(k), force_, fed);
+      out.rate[k] = counts_of(in.w_B(k), rate_, fed);
     }
-    if (write(fd, &out, sizeof out) != sizeof out) fail("a sample");
+    put(out);
     ++fed.samples;
   }
-}
+
+  const bsp::Pack& pack_;
+  Cursor cursor_;
+  TimeNs shift_, ahead_t_ = INT64_MIN;
+  double force_ = 0, rate_ = 0;
+  int fd_ = -1;
+  size_t fault_ = 0;
+};
 
 void sleep_until(TimeNs t) {
   const timespec until = {static_cast<time_t>(t / 1'000'000'000), t % 1'000'000'000};
@@ -202,12 +274,10 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
                               fault == Fault::kDark ? kBlack : pixels);
 }
 
-struct TestCameras {
-  TestCamera of[kCamerasMax];
-};
-
-void open_cameras(const bsp::Pack& pack, TestCameras& out) {
-  auto& cameras = out.of;
+void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed) {
+  constexpr TimeNs kAhead_ns = 1'000'000'000;  // of the IMU, whose samples wait for their time
+  ImuFeed imu(pack, loops, shift);
+  TestCamera cameras[kCamerasMax];
   for (int c = 0; c < kCamerasMax; ++c) {
     char node[32];
     std::snprintf(node, sizeof node, "/dev/test_camera%d", c);
@@ -216,41 +286,25 @@ void open_cameras(const bsp::Pack& pack, TestCameras& out) {
     const Camera camera = pack.camera(c);
     cameras[c].bytes = static_cast<size_t>(camera.width * camera.height);
   }
-}
-
-void feed_images(const bsp::Pack& pack, TimeNs shift, TestCameras& all, Fed& fed) {
-  auto& cameras = all.of;
   // Left from before the stream began, in one camera alone.
   constexpr TimeNs kHour_ns = 3'600'000'000'000;
   if (with_faults) (void)cameras[1].show(bsp::now() - kHour_ns, kGood, pack.frame(0).image[1].data);
-  for (uint32_t i = 0; i < pack.header().frame_count; ++i) {
-    const StereoFrame frame = pack.frame(i);
-    sleep_until(frame.t + shift + kTransfer_ns);
+  Cursor cursor(pack.header().frame_count, loops);
+  uint32_t index = 0;
+  TimeNs t = 0;
+  while (cursor.next([&](uint32_t i) { return pack.frame(i).t; }, index, t)) {
+    const StereoFrame frame = pack.frame(index);
+    imu.feed(t + kAhead_ns, fed);
+    sleep_until(t + shift + kTransfer_ns);
     for (int c = 0; c < kCamerasMax; ++c) {
-      feed_image(cameras[c], fault_at(i, c), frame.t + shift, frame.image[c].data, fed);
+      feed_image(cameras[c], fault_at(fed.frames, c), t + shift, frame.image[c].data, fed);
     }
     ++fed.frames;
   }
+  imu.feed(INT64_MAX, fed);
 }
 
-// The recording's time from its begin to where it begins anew: whole periods of images and samples,
-// from the first image on.
-TimeNs length_of_loop(const bsp::Pack& pack) {
-  const uint32_t last = pack.header().frame_count - 1;
-  const TimeNs shown = pack.frame(last).t - pack.frame(0).t;
-  return shown + shown / last;
-}
-
-void feed_loop(const bsp::Pack& pack, TimeNs shift, double seconds, TestCameras& cameras,
-               Fed& fed) {
-  const TimeNs length = length_of_loop(pack), end = pack.imu(0).t + length;
-  for (TimeNs done = 0; done < from_seconds(seconds); done += length) {
-    feed_imu(pack, shift + done, end, fed);
-    feed_images(pack, shift + done, cameras, fed);
-  }
-}
-
-int feed(const char* path, double loop_s) {
+int feed(const char* path) {
   const int fd = open(path, O_RDONLY);
   const off_t size = lseek(fd, 0, SEEK_END);
   if (fd < 0 || size <= 0) fail(path);
@@ -264,14 +318,7 @@ int feed(const char* path, double loop_s) {
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
-  TestCameras cameras;
-  open_cameras(pack, cameras);
-  if (loop_s > 0) {
-    feed_loop(pack, shift, loop_s, cameras, fed);
-  } else {
-    feed_imu(pack, shift, INT64_MAX, fed);
-    feed_images(pack, shift, cameras, fed);
-  }
+  feed_all(pack, loops_for(pack, loop_s), shift, fed);
   std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
               fed.refused, fed.clipped);
   return 0;
@@ -282,13 +329,13 @@ int feed(const char* path, double loop_s) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
-  double loop_s = 0;
   for (int i = 2; i < argc; ++i) {
     pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
     pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
-    if (std::strcmp(argv[i], "loop") == 0 && i + 1 < argc) loop_s = std::atof(argv[i + 1]);
+    const bool loop = std::strcmp(argv[i], "loop") == 0 && i + 1 < argc;
+    if (loop) pirvs::loop_s = std::atof(argv[i + 1]);
   }
-  const sched_param urgent{60};
+  const sched_param urgent{46};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
-  return pirvs::feed(argv[1], loop_s);
+  return pirvs::feed(argv[1]);
 }

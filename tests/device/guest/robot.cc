@@ -1,6 +1,7 @@
 // What stands at the other end of the device's pins: puts edges on SYNC_IN and turns a wheel, and
 // writes down when the kernel saw SYNC_OUT and HEALTH change.
 // usage: robot SECONDS SYNC_PERIOD_US WHEEL_PERIOD_US, times of this guest; 0: that one rests
+//        robot hog: takes all memory that there is
 // Out     On standard output: "sync T", the time chosen for a rising edge of SYNC_IN, "wheel TICKS"
 //         turned in all, "SYNC_OUT T LEVEL", "HEALTH T LEVEL", "lost N" edges that it missed itself.
 #include <fcntl.h>
@@ -119,13 +120,22 @@ class Player {
   unsigned ticks_ = 0;
 };
 
+[[noreturn]] void take_all_memory() {
+  constexpr size_t kPiece = 1 << 20;
+  for (;;) {
+    void* const piece = std::malloc(kPiece);
+    if (piece != nullptr) std::memset(piece, 1, kPiece);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && std::strcmp(argv[1], "hog") == 0) take_all_memory();
   if (argc != 4) return 2;
   const int64_t begin = now() + 500 * kMilli;
   const int64_t end = begin + static_cast<int64_t>(std::atof(argv[1]) * kSecond);
-  const sched_param urgent{55};
+  const sched_param urgent{47};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   const int fd = listen();
   Player player(begin, 1000 * std::atoll(argv[2]), 1000 * std::atoll(argv[3]));
