@@ -107,7 +107,7 @@ UsbRun run_usb() {
   for (const char* program : {"feeder", "usb_peer"}) {
     command += std::string(" /bin/") + program + "=" + build + "/device/" + program;
   }
-  for (const char* module : {"test_camera.ko", "test_imu.ko", "dummy_hcd.ko"}) {
+  for (const char* module : {"test_camera.ko", "test_gpio.ko", "test_imu.ko", "dummy_hcd.ko"}) {
     command += std::string(" /modules/") + module + "=" + build + "/device/modules/" + module;
   }
   for (const char* file : {"device.cfg", "calibration.cfg", "guest"}) {
