@@ -1,8 +1,8 @@
 // The PC at the other end of the device's USB, in tests/device/usb_test.cc: takes poses from the
 // network and from the serial line, gives commands, looks at the camera, and kills pirvs-video.
 // usage: usb_peer PACK SECONDS   in a network namespace of its own, into which the test's init puts
-//        the interface once there is /run/peer; SECONDS, at least 20, after the first pose it pulls the cable and puts it
-//        back, and ends with `stop` to pirvsd.
+//        the interface once there is /run/peer. SECONDS, at least 20, after the first pose it pulls
+//        the cable and puts it back, and ends with `stop` to pirvsd.
 //        usb_peer cost           how busy the machine is without poses, and by how much more with
 //                                200 a second by either way
 // Out     On standard output: `name value` of what was counted; "answer LINE" of each answer.
