@@ -1,6 +1,6 @@
 // The device on USB under Debian's arm64 kernel in QEMU: device and PC are one guest, joined by the
-// kernel's dummy_hcd; the PC's network lives in a namespace of its own. PIRVS_USB_SECONDS: of poses,
-// 60 unless it says otherwise, at least 20.
+// kernel's dummy_hcd; the PC's network is in a namespace of its own.
+// PIRVS_USB_SECONDS: of poses; 60 by default, at least 20.
 #include <gtest/gtest.h>
 
 #include <algorithm>
