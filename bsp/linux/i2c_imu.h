@@ -1,6 +1,7 @@
-// The IMU as a chip on /dev/i2c-N whose interrupt is a pin: the driver of bsp/drivers/icm20602, on a
-// thread of its own, since its transfers sleep.
-// In      configure(), which starts the thread, then poll(), close(): from one core. bsp::i2c_start must mean that bus.
+// The IMU as a chip on /dev/i2c-N whose interrupt is a pin: the driver of bsp/drivers/icm20602, on
+// a thread of its own, since its transfers sleep.
+// In      configure(), which starts the thread, then poll(), close(): from one core. bsp::i2c_start
+//         must mean that bus.
 // Out     poll: as imu_poll. t: of the data-ready edge, stamped by the kernel, less the filter's
 //         delay. temperature(): of the chip.
 // Frames  B: the chip's axes.

@@ -6,9 +6,10 @@
 // Out     OutputPin::write: the level is driven at once. EdgePins::poll: the oldest edge of its
 //         pins, those of all of them in the order in which they came. t: CLOCK_MONOTONIC, taken in
 //         the kernel's interrupt handler.
-// Errors  find, open: nullptr, or why not, for a person. EdgePins::poll: kEmpty: nothing now; kFull:
-//         edges were lost before this one, which is good; kBusFault: the chip is gone.
-// Cost    A system call a write; one for up to 64 edges. No heap but libgpiod's own at open().
+// Errors  find, open: nullptr, or why not, for a person. EdgePins::poll: kEmpty: nothing now;
+//         kFull: edges were lost before this one, which is good; kBusFault: the chip is gone.
+// Cost    A system call a write; one for up to 64 edges. No heap but libgpiod's, in find()
+//         and OutputPin::open().
 // Source  kernel, include/uapi/linux/gpio.h; docs/adr/0011-pins-of-linux.md.
 #pragma once
 

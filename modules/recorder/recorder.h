@@ -75,6 +75,9 @@ class Recorder {
     bsp::File file;
     bool open = false;
     Text<kBlock> block;
+
+    Status write_when_full();
+    Status write();
   };
 
   struct MapRow {
@@ -94,8 +97,6 @@ class Recorder {
   Status write_imu_yaml(const ImuNoise& noise);
   Status write_text(const char* name, const TextWriter& text);
   Status write_image(const ImageView& image, const char* name);
-  Status write_row(Table& table);
-  Status write_block(Table& table);
   void flush_when_due();
   Status write_sample(const ImuSample& sample);
   Status write_camera(const StereoFrame& frame, int c);
@@ -111,7 +112,7 @@ class Recorder {
   Ring<MapRow, kMapRing> map_ring_;
   Table imu_, order_, maps_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
-  TimeNs flush_t_ = 0;  // of the next one
+  TimeNs flush_t_ = 0;                // of the next one
   std::atomic<int> core_{-1};         // none: steps are called by hand
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
   bool failed_ = false;

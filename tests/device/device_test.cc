@@ -229,8 +229,8 @@ TEST(device_faults, are_survived_and_counted) {
   EXPECT_GT(got.counter("output.lines"), frames / 3) << "it goes on";
 }
 
-// What guest/feeder.cc lists of the chip on I2C: a bus that is dead for 30 ms and for 0.6 s, so that
-// its FIFO runs over, a brown-out, lost interrupts; beside that the clock is set, memory runs out,
+// What guest/feeder.cc lists of the chip on I2C: a bus that is dead for 30 ms and for 0.6 s, so
+// that its FIFO runs over, a brown-out, lost interrupts; beside that the clock is set, memory runs out,
 // and so does the disk.
 TEST(device_faults, of_the_chip_and_of_the_machine_are_survived_and_counted) {
   const DeviceRun& got = faulty_run(true);

@@ -1,4 +1,4 @@
-// What    The other end of a device's stream (modules/stream/stream.h): asks for it and takes it in.
+// What    The other end of a device's stream (modules/stream/stream.h): asks for it, takes it in.
 // In      Host and port of the device; which kinds. Or a file that an earlier listener recorded.
 // Out     next(): datagrams in the order in which they came, each with the time of this machine.
 //         clock(): how this machine's clock stands to the device's, by the quickest answer.

@@ -1,8 +1,8 @@
 // An external clock by its pulse per second: how fast it runs against ours, and where its seconds
 // begin.
 // In      add(): our time of each pulse, in order.
-// Out     rate_ppb(): by how much our clock is fast; second_t(): when the last of its seconds began,
-//         by a line through the last kKept pulses; noise_ns(): their rms about that line.
+// Out     rate_ppb(): by how much our clock is fast; second_t(): when its last second began, by a
+//         line through the last kKept pulses; noise_ns(): their rms about that line.
 // Units   ns, parts in 10^9.
 // Errors  add: false: not a whole number of seconds after the last one, within kRate_ppb_max and
 //         kJitter_ns: it is left out and counted, and after kOdd_max of them in a row all begins

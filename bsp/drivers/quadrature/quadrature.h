@@ -1,5 +1,5 @@
 // An incremental encoder by the edges of its two pins: which way it turned, and how far.
-// In      add(): each edge in order, which pin (0 A, 1 B) and the level after it; lost(): edges were
+// In      add(): each edge in order, its pin (0 A, 1 B) and the level after it; lost(): edges were
 //         lost before the next one.
 // Out     ticks(): four a period, growing while A leads B.
 // Errors  An edge that does not change its pin's level was lost by its partner: the encoder has

@@ -3,7 +3,7 @@
 // usage: robot SECONDS SYNC_PERIOD_US WHEEL_PERIOD_US, times of this guest; 0: that one rests
 //        robot hog: takes all memory that there is
 // Out     On standard output: "sync T", the time chosen for a rising edge of SYNC_IN, "wheel TICKS"
-//         turned in all, "SYNC_OUT T LEVEL", "HEALTH T LEVEL", "lost N" edges that it missed itself.
+//         turned in all, "SYNC_OUT T LEVEL", "HEALTH T LEVEL", "lost N" edges that it missed.
 #include <fcntl.h>
 #include <linux/gpio.h>
 #include <poll.h>
