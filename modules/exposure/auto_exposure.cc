@@ -98,10 +98,12 @@ double AutoExposure::look(const ExposureFrame& frame) const {
 // it does so by less.
 void AutoExposure::note_swing(double suits) {
   if (swings_ > 0) --swings_;
+  if (++since_direction_ > kSwingsRemembered) direction_ = 0;  // one change is no swing
   if (last_ == 0 || ratio(suits, last_) < (swings_ > 0 ? kSame : kClear)) return;
   const int direction = suits > last_ ? 1 : -1;
   if (direction == -direction_) swings_ = kSwingsRemembered;
   direction_ = direction;
+  since_direction_ = 0;
 }
 
 void AutoExposure::remember(double suits) {

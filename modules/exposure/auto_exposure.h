@@ -85,11 +85,11 @@ class AutoExposure {
   int age_ = 0;                 // images since the last change
   double light_[kWindow] = {};  // 1 over the product that suits each image
   int light_count_ = 0;
-  double last_ = 0;                // what suits the image before; 0: none
-  bool eager_ = true;              // one image is enough for a large step
-  int swings_ = 0;                 // images for which flicker is taken to go on
-  int direction_ = 0;              // of the light, from one image to another
-  int step_ = 0, since_step_ = 0;  // direction of the last small one, images since
+  double last_ = 0;                          // what suits the image before; 0: none
+  bool eager_ = true;                        // one image is enough for a large step
+  int swings_ = 0;                           // images for which flicker is taken to go on
+  int direction_ = 0, since_direction_ = 0;  // of the light, from one image to another
+  int step_ = 0, since_step_ = 0;            // direction of the last small one, images since
 };
 
 }  // namespace pirvs

@@ -207,6 +207,17 @@ TEST(auto_exposure, settles_within_ten_frames_after_a_sudden_change) {
   }
 }
 
+// A start that overshot is no flicker, long after.
+TEST(auto_exposure, settles_after_a_change_long_after_a_start_that_overshot) {
+  Sensor sensor;
+  sensor.tells = false;
+  sensor.left.exposure_s = 0.0004;
+  Scene scene(sensor);
+  ASSERT_LE(scene.settle(60), 10);
+  scene.light(0.3);
+  EXPECT_LE(scene.settle(60), 10);
+}
+
 // Once settled nothing is commanded any more, or the light itself changes slowly (its beat).
 TEST(auto_exposure, does_not_oscillate_under_flicker) {
   for (const double flicker_hz : {100.0, 120.0}) {

@@ -63,8 +63,7 @@ TEST(device_exposure, settles_in_the_dark_after_a_change_and_after_another_progr
                after_meddle = settled(errors, kMeddle + 1, 20);
   EXPECT_GT(errors[kDim + 1], 2) << "it is darker";
   EXPECT_LE(after_dim - kDim, 10u);
-  EXPECT_GT(after_meddle, kMeddle + 1) << "the other program was seen";
-  EXPECT_LE(after_meddle - kMeddle, 10u);
+  EXPECT_LE(after_meddle - kMeddle, 10u) << "mostly undone before the next image";
   EXPECT_EQ(run.counter("camera.left.exposure_changed"), 1u);
   EXPECT_EQ(run.counter("camera.right.exposure_changed"), 1u);
   EXPECT_EQ(run.counter("camera.left.control_refused"), 0u);
