@@ -22,7 +22,7 @@ endif
 
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc,$(call find_cc,board/linux))
+  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc,$(call find_cc,board/linux board/card))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
 EMULATOR_SRC := $(call find_cc,tests/emulator)
