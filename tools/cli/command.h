@@ -27,5 +27,6 @@ extern const Command kPackCommand;
 extern const Command kSimCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
+extern const Command kUpdateCommand;
 
 }  // namespace pirvs::tools

@@ -12,7 +12,8 @@ namespace pirvs::tools {
 namespace {
 
 const Command* const kCommands[] = {&kRunCommand,  &kEvalCommand,        &kSimCommand,
-                                    &kPackCommand, &kCalibrationCommand, &kParamsCommand};
+                                    &kPackCommand, &kCalibrationCommand, &kParamsCommand,
+                                    &kUpdateCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

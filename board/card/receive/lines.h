@@ -1,7 +1,7 @@
 // What goes between `pirvs update` and a device, and what RAUC says of its work: lines of text.
 // In      A line without its end.
 // Out     parse_request: what a PC asks for:
-//           pirvs 1 version              answer: version V slot a good | trial LEFT
+//           pirvs 1 version              answer: version V slot a good | trial LEFT boot ID
 //           pirvs 1 update BYTES         answer: ready; then the bundle; then lines of
 //                                        progress PERCENT TEXT, and at last installed, or
 //                                        refused WHY, which may come at any time

@@ -87,6 +87,10 @@ int answer_version() {
   } else {
     line.put(" good");
   }
+  static char boot[64];
+  std::string_view id = read_small("/proc/sys/kernel/random/boot_id", boot, sizeof boot);
+  line.put(" boot ");
+  for (const char c : id.substr(0, id.find('\n'))) line.put(c);
   return say(line.c_str()) ? 0 : 1;
 }
 
@@ -115,11 +119,13 @@ const char* receive(int fd, uint64_t bytes) {
   return nullptr;
 }
 
-// What RAUC says goes on as lines; its error is kept.
+// What RAUC says goes on as lines, and into the journal; its error is kept.
 struct Report {
   char error[kLineMax] = "";
 
   void line(std::string_view text) {
+    (void)!write(STDERR_FILENO, text.data(), text.size());
+    (void)!write(STDERR_FILENO, "\n", 1);
     const RaucLine told = parse_rauc(text);
     if (told.kind == RaucLine::Kind::kError) {
       const size_t size = told.text.size() < kLineMax - 1 ? told.text.size() : kLineMax - 1;

@@ -1,0 +1,94 @@
+"""A card in QEMU's `virt`, started through Debian's U-Boot as on a board: for tests.
+
+The card is a copy of the image, as large as a real one, so its own bytes are those that were built.
+What a test adds lies on disks beside it (pirvs.overlay=, board/ironsides/image/init), or in the
+FAT partition that a person edits.
+"""
+import os
+import selectors
+import signal
+import subprocess
+import time
+
+UBOOT = "/usr/lib/u-boot/qemu_arm64/u-boot.bin"
+MACHINE = ["-M", "virt,gic-version=3,acpi=off", "-cpu", "cortex-a72", "-m", "1G",
+           "-display", "none", "-monitor", "none", "-serial", "stdio", "-bios", UBOOT,
+           "-device", "i6300esb", "-watchdog-action", "reset"]
+# One nanosecond an instruction; else two processors as fast as they go.
+COUNTED = ["-smp", "1", "-icount", "shift=0,sleep=off"]
+FREE = ["-smp", "2", "-accel", "tcg,thread=multi"]
+
+
+class Card:
+    """A running machine. `console` holds all that it has said."""
+
+    def __init__(self, image, extra="", disks=(), devices=(), counted=False, log=None):
+        command = ["nice", "qemu-system-aarch64", *MACHINE, *(COUNTED if counted else FREE)]
+        # The last disk is U-Boot's first.
+        for number, (path, serial) in enumerate(disks):
+            command += ["-drive", f"if=none,format=raw,readonly=on,id=disk{number},file={path}",
+                        "-device", f"virtio-blk-device,drive=disk{number},serial={serial}"]
+        command += ["-drive", f"if=none,format=raw,cache=unsafe,id=card,file={image}",
+                    "-device", "virtio-blk-device,drive=card",
+                    *(devices or ("-nic", "none"))]
+        self.extra, self.console, self.log = extra, "", log
+        self.starts, self._answered = 0, 0
+        self.begin = time.monotonic()
+        self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                        stderr=subprocess.STDOUT, start_new_session=True)
+        os.set_blocking(self.process.stdout.fileno(), False)
+        self._selector = selectors.DefaultSelector()
+        self._selector.register(self.process.stdout, selectors.EVENT_READ)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.cut()
+
+    def cut(self):
+        """As a power cut: at once."""
+        if self.process.poll() is None:
+            os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+
+    def _type(self, text):
+        self.process.stdin.write(text.encode())
+        self.process.stdin.flush()
+
+    def _answer(self):
+        """U-Boot's countdown is cut short, and it is told what the kernel is to be told."""
+        tail = self.console[self._answered:]
+        if "stop autoboot" in tail:
+            self._answered = len(self.console)
+            self._type(" ")
+        elif "\n=> " in tail:
+            self._answered = len(self.console)
+            self.starts += 1
+            extra = f"setenv extra '{self.extra}'; " if self.extra else ""
+            self._type(extra + "run bootcmd_virtio0\r")
+
+    def step(self, wait_s=0.1):
+        """Takes in what it says; False when it has ended."""
+        if self._selector.select(wait_s):
+            chunk = os.read(self.process.stdout.fileno(), 1 << 16)
+            if not chunk:
+                return False
+            text = chunk.decode(errors="replace").replace("\r", "")
+            self.console += text
+            if self.log:
+                self.log.write(text)
+                self.log.flush()
+            self._answer()
+        return True
+
+    def wait_for(self, text, limit_s, since=0):
+        """Where the text begins; None if it did not come, or the machine ended."""
+        end = time.monotonic() + limit_s
+        while (at := self.console.find(text, since)) < 0:
+            if time.monotonic() > end or not self.step():
+                return None
+        return at
+
+    def seconds(self):
+        return time.monotonic() - self.begin
