@@ -131,14 +131,19 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 
 # Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
 DEVICE := $(BUILD)/device
-test-device: $(OUT)/device_tests $(DEVICE)/release ## pirvsd under an arm64 kernel alone
+test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release ## pirvsd under an arm64 kernel alone
 	@$(MAKE) -s BOARD=ironsides all $(DEVICE)/feeder
+	@$(MAKE) -s BOARD=ironsides image $(DEVICE)/first_pose
 	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
 	PIRVS_BUILD=$(BUILD) $(OUT)/device_tests \
 	  --gtest_output=json:$(BUILD)/test/device.json $(GTEST_FILTER_ARG)
 $(DEVICE)/release: tools/device/fetch_kernel | $(BUILD)/setup.stamp
 	@tools/device/fetch_kernel $(DEVICE)
+
+CUTS ?= 200
+nightly: ## what takes too long for every day: the power of a card is cut 200 times
+	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true

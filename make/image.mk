@@ -18,6 +18,7 @@ VERSION ?= $(shell git log -1 --format=%cd-%h --date=format:%Y%m%d)
 COMPATIBLE := pirvs-$(BOARD)-$(UBOOT)
 BUNDLE := $(OUT)/pirvs-$(VERSION).raucb
 CALIBRATION ?=
+ZSTD_LEVEL ?= 19
 CARD_FILES := $(if $(CALIBRATION),calibration.cfg=$(CALIBRATION))
 
 .PHONY: image bundle flash slot
@@ -45,6 +46,12 @@ $(OUT)/pirvs-card $(OUT)/pirvs-receive:
 	@echo "link $@"
 	@$(CXX_LINUX) $(LINUX_LINK) $^ -o $@.$$$$ && mv $@.$$$$ $@
 
+# What says in the card's test when the first pose came (make test-device).
+FIRST_POSE_OBJ := $(OUT)/obj/tests/device/guest/first_pose.o
+$(BUILD)/device/first_pose: $(FIRST_POSE_OBJ)
+	@mkdir -p $(@D)
+	@$(CXX_LINUX) $(LINUX_LINK) $< -o $@
+
 # What a slot holds. Without symbols: build/BOARD/pirvsd keeps them.
 DEVICE_PROGRAMS := pirvsd pirvs-card pirvs-receive
 slot: $(DEVICE_PROGRAMS:%=$(OUT)/%) $(DEBIAN_ROOT) $(IMAGE_KERNEL)/release $(CERT)
@@ -53,7 +60,8 @@ slot: $(DEVICE_PROGRAMS:%=$(OUT)/%) $(DEBIAN_ROOT) $(IMAGE_KERNEL)/release $(CER
 	@tools/image/build_kernel --kernel $(IMAGE_KERNEL) --content $(CONTENT) --dtb $(DTB) \
 	  --version $(VERSION) --time $(EPOCH) --out $(SLOT)/kernel.fit
 	@tools/image/build_root --debian $(DEBIAN_ROOT) --kernel $(IMAGE_KERNEL) --content $(CONTENT) \
-	  --version $(VERSION) --compatible $(COMPATIBLE) --time $(EPOCH) --out $(SLOT)/root.squashfs \
+	  --version $(VERSION) --compatible $(COMPATIBLE) --time $(EPOCH) --level $(ZSTD_LEVEL) \
+	  --out $(SLOT)/root.squashfs \
 	  /etc/rauc/keyring.pem=$(CERT) \
 	  $(foreach name,$(DEVICE_PROGRAMS),/usr/bin/$(name)=$(SLOT)/bin/$(name))
 
@@ -75,5 +83,5 @@ $(KEYS)/cert.pem:
 	  -subj "/CN=PIRVS development" -keyout $(KEYS)/key.pem -out $@ 2>/dev/null
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
--include $(patsubst %.o,%.d,$(filter $(OUT)/%,$(CARD_OBJ) $(RECEIVE_OBJ)))
+-include $(patsubst %.o,%.d,$(filter $(OUT)/%,$(CARD_OBJ) $(RECEIVE_OBJ) $(FIRST_POSE_OBJ)))
 endif

@@ -200,9 +200,9 @@ TEST(update_lines, requests) {
   EXPECT_EQ(update.kind, Request::Kind::kUpdate);
   EXPECT_EQ(update.bytes, 36'000'000u);
   for (const char* text :
-       {"", "pirvs", "pirvs 2 version", "pirvs 1 update", "pirvs 1 update 0",
-        "pirvs 1 update -1", "pirvs 1 update 99999999999999999999", "pirvs 1 update 600000000",
-        "pirvs 1 update 12x", "pirvs 1 versions", "GET / HTTP/1.1"}) {
+       {"", "pirvs", "pirvs 2 version", "pirvs 1 update", "pirvs 1 update 0", "pirvs 1 update -1",
+        "pirvs 1 update 99999999999999999999", "pirvs 1 update 600000000", "pirvs 1 update 12x",
+        "pirvs 1 versions", "GET / HTTP/1.1"}) {
     EXPECT_EQ(parse_request(text).kind, Request::Kind::kNone) << text;
   }
 }
@@ -215,7 +215,8 @@ TEST(update_lines, what_rauc_says) {
   const RaucLine error = parse_rauc("LastError: signature verification failed: self-signed");
   EXPECT_EQ(error.kind, RaucLine::Kind::kError);
   EXPECT_EQ(error.text, "signature verification failed: self-signed");
-  for (const char* text : {"installing", "idle", "", "% ", "101% much", "Installing `x` succeeded"}) {
+  for (const char* text :
+       {"installing", "idle", "", "% ", "101% much", "Installing `x` succeeded"}) {
     EXPECT_EQ(parse_rauc(text).kind, RaucLine::Kind::kNone) << text;
   }
 }

@@ -57,8 +57,8 @@ bool is_whole(const PartitionTable& table, uint64_t header_sector) {
   const uint8_t* const header = table.header;
   return std::memcmp(header, "EFI PART", 8) == 0 && get(header + 12, 4) == kHeaderBytes &&
          get(header + kHeaderCrc, 4) == header_crc(table.header) &&
-         get(header + kMyLba, 8) == header_sector &&
-         get(header + kEntriesCount, 4) == kEntries && get(header + kEntrySize, 4) == kEntryBytes &&
+         get(header + kMyLba, 8) == header_sector && get(header + kEntriesCount, 4) == kEntries &&
+         get(header + kEntrySize, 4) == kEntryBytes &&
          get(header + kEntriesCrc, 4) == crc_of(table.entries, sizeof table.entries);
 }
 

@@ -11,8 +11,8 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kRunCommand,  &kEvalCommand,        &kSimCommand,
-                                    &kPackCommand, &kCalibrationCommand, &kParamsCommand,
+const Command* const kCommands[] = {&kRunCommand,   &kEvalCommand,        &kSimCommand,
+                                    &kPackCommand,  &kCalibrationCommand, &kParamsCommand,
                                     &kUpdateCommand};
 
 // One line on stderr, whatever happened.

@@ -5,9 +5,9 @@ What a test adds lies on disks beside it (pirvs.overlay=, board/ironsides/image/
 FAT partition that a person edits.
 """
 import os
-import selectors
 import signal
 import subprocess
+import threading
 import time
 
 UBOOT = "/usr/lib/u-boot/qemu_arm64/u-boot.bin"
@@ -36,9 +36,8 @@ class Card:
         self.begin = time.monotonic()
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                         stderr=subprocess.STDOUT, start_new_session=True)
-        os.set_blocking(self.process.stdout.fileno(), False)
-        self._selector = selectors.DefaultSelector()
-        self._selector.register(self.process.stdout, selectors.EVENT_READ)
+        self._ended = threading.Event()
+        threading.Thread(target=self._listen, daemon=True).start()
 
     def __enter__(self):
         return self
@@ -53,8 +52,11 @@ class Card:
         self.process.wait()
 
     def _type(self, text):
-        self.process.stdin.write(text.encode())
-        self.process.stdin.flush()
+        try:
+            self.process.stdin.write(text.encode())
+            self.process.stdin.flush()
+        except BrokenPipeError:
+            pass  # its power was cut
 
     def _answer(self):
         """U-Boot's countdown is cut short, and it is told what the kernel is to be told."""
@@ -68,26 +70,23 @@ class Card:
             extra = f"setenv extra '{self.extra}'; " if self.extra else ""
             self._type(extra + "run bootcmd_virtio0\r")
 
-    def step(self, wait_s=0.1):
-        """Takes in what it says; False when it has ended."""
-        if self._selector.select(wait_s):
-            chunk = os.read(self.process.stdout.fileno(), 1 << 16)
-            if not chunk:
-                return False
+    def _listen(self):
+        while chunk := os.read(self.process.stdout.fileno(), 1 << 16):
             text = chunk.decode(errors="replace").replace("\r", "")
             self.console += text
             if self.log:
                 self.log.write(text)
                 self.log.flush()
             self._answer()
-        return True
+        self._ended.set()
 
     def wait_for(self, text, limit_s, since=0):
         """Where the text begins; None if it did not come, or the machine ended."""
         end = time.monotonic() + limit_s
         while (at := self.console.find(text, since)) < 0:
-            if time.monotonic() > end or not self.step():
+            if time.monotonic() > end or self._ended.is_set():
                 return None
+            time.sleep(0.02)
         return at
 
     def seconds(self):

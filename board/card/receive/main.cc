@@ -53,8 +53,8 @@ std::string_view read_small(const char* path, char* out, size_t max) {
 
 char running_slot() {
   static char text[4096];
-  const std::string_view slot = find_word(read_small("/proc/cmdline", text, sizeof text),
-                                          "rauc.slot");
+  const std::string_view slot =
+      find_word(read_small("/proc/cmdline", text, sizeof text), "rauc.slot");
   return slot.size() == 1 ? slot[0] : '?';
 }
 
