@@ -10,6 +10,7 @@ FIRMWARE := $(BUILD)/uboot/usr/lib/u-boot/$(UBOOT)
 DEBIAN_ROOT := $(BUILD)/debian/$(BOARD).tar
 CARD := $(OUT)/card.img
 SLOT := $(OUT)/slot
+SLOT_FILES := $(SLOT)/kernel.fit $(SLOT)/root.squashfs
 KEYS := $(OUT)/keys
 KEY ?= $(KEYS)/key.pem
 CERT ?= $(KEYS)/cert.pem
@@ -21,12 +22,12 @@ CALIBRATION ?=
 ZSTD_LEVEL ?= 19
 CARD_FILES := $(if $(CALIBRATION),calibration.cfg=$(CALIBRATION))
 
-.PHONY: image bundle flash slot
-image: slot $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; UBOOT=board DTB=file CALIBRATION=file
+.PHONY: image bundle flash
+image: $(SLOT_FILES) $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; UBOOT=board DTB=file CALIBRATION=file
 	@tools/image/build_card --content $(CONTENT) --slot $(SLOT) --time $(EPOCH) --out $(CARD) \
 	  --firmware $(FIRMWARE) $(CARD_FILES)
 
-bundle: slot ## the same version as a signed update, for `pirvs update`; KEY= CERT= sign it
+bundle: $(SLOT_FILES) ## the same version as a signed update, for `pirvs update`; KEY= CERT= sign it
 	@tools/image/build_bundle --slot $(SLOT) --compatible $(COMPATIBLE) --version $(VERSION) \
 	  --key $(KEY) --cert $(CERT) --out $(BUNDLE)
 
@@ -52,18 +53,29 @@ $(BUILD)/device/first_pose: $(FIRST_POSE_OBJ)
 	@mkdir -p $(@D)
 	@$(CXX_LINUX) $(LINUX_LINK) $< -o $@
 
-# What a slot holds. Without symbols: build/BOARD/pirvsd keeps them.
+# What a slot holds. Programs without symbols: build/BOARD/pirvsd keeps them.
 DEVICE_PROGRAMS := pirvsd pirvs-card pirvs-receive
-slot: $(DEVICE_PROGRAMS:%=$(OUT)/%) $(DEBIAN_ROOT) $(IMAGE_KERNEL)/release $(CERT)
-	@mkdir -p $(SLOT)/bin
-	@for name in $(DEVICE_PROGRAMS); do $(BINUTILS)strip $(OUT)/$$name -o $(SLOT)/bin/$$name; done
-	@tools/image/build_kernel --kernel $(IMAGE_KERNEL) --content $(CONTENT) --dtb $(DTB) \
-	  --version $(VERSION) --time $(EPOCH) --out $(SLOT)/kernel.fit
+SLOT_PROGRAMS := $(DEVICE_PROGRAMS:%=$(SLOT)/bin/%)
+$(SLOT)/bin/%: $(OUT)/%
+	@mkdir -p $(@D)
+	@$(BINUTILS)strip $< -o $@
+
+$(SLOT)/kernel.fit: $(CONTENT)/init $(CONTENT)/slot.its $(CONTENT)/modules.initramfs \
+  tools/image/build_kernel tools/image/kernel_modules.py $(IMAGE_KERNEL)/release $(OUT)/slot.options
+	@mkdir -p $(@D)
+	@tools/image/build_kernel --kernel $(IMAGE_KERNEL) --content $(CONTENT) --dtb $(DTB) --out $@
+
+$(SLOT)/root.squashfs: $(SLOT_PROGRAMS) $(DEBIAN_ROOT) $(IMAGE_KERNEL)/release $(CERT) \
+  $(OUT)/slot.options $(shell find $(CONTENT) -type f) tools/image/build_root
 	@tools/image/build_root --debian $(DEBIAN_ROOT) --kernel $(IMAGE_KERNEL) --content $(CONTENT) \
 	  --version $(VERSION) --compatible $(COMPATIBLE) --time $(EPOCH) --level $(ZSTD_LEVEL) \
-	  --out $(SLOT)/root.squashfs \
-	  /etc/rauc/keyring.pem=$(CERT) \
-	  $(foreach name,$(DEVICE_PROGRAMS),/usr/bin/$(name)=$(SLOT)/bin/$(name))
+	  --out $@ /etc/rauc/keyring.pem=$(CERT) \
+	  $(foreach path,$(SLOT_PROGRAMS),/usr/bin/$(notdir $(path))=$(path))
+
+SLOT_OPTIONS := $(VERSION) $(COMPATIBLE) $(DTB) $(EPOCH) $(ZSTD_LEVEL) $(CERT)
+$(OUT)/slot.options: FORCE
+	@mkdir -p $(@D)
+	@echo "$(SLOT_OPTIONS)" | cmp -s - $@ || echo "$(SLOT_OPTIONS)" > $@
 
 $(DEBIAN_ROOT): $(CONTENT)/packages.txt tools/image/fetch_root | $(BUILD)/setup.stamp
 	@tools/image/fetch_root $< $@

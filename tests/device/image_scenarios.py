@@ -60,7 +60,9 @@ class Test:
             raise RuntimeError(f"{command[0]} failed: {done.stderr}{done.stdout}")
 
     def copy_card(self, **files):
-        """The image as it was built, with files in the partition that a person edits."""
+        """The image as it was built, with files in the partition that a person edits, the
+        calibration among them."""
+        files["calibration__cfg"] = (self.build / "test/image.cfg").read_bytes()
         path = self.out / "card.img"
         shutil.copy(self.build / "ironsides/card.img", path)
         os.truncate(path, CARD_BYTES)
@@ -126,8 +128,8 @@ class Test:
         path = self.out / "init"
         path.write_text(init)
         self.run("tools/image/build_kernel", "--kernel", self.build / "device", "--content",
-                 CONTENT, "--dtb", "rk3399-rock-pi-4b.dtb", "--version", "test", "--time", TIME,
-                 "--level", "1", "--init", path, "--out", out, *files)
+                 CONTENT, "--dtb", "rk3399-rock-pi-4b.dtb", "--level", "1",
+                 "--init", path, "--out", out, *files)
 
     def pirvs(self, *words):
         return subprocess.run([self.build / "host/pirvs", *map(str, words)], capture_output=True,
@@ -158,8 +160,7 @@ def usb_link(*forwards):
 def boot(test):
     """From power through U-Boot to the first pose, nobody logging in."""
     settings = (CONTENT / "config/device.cfg").read_bytes().replace(b"192.168.7.2", b"127.0.0.1")
-    image = test.copy_card(device__cfg=settings,
-                           calibration__cfg=(test.build / "test/image.cfg").read_bytes())
+    image = test.copy_card(device__cfg=settings)
     (test.out / "guest").write_text((test.build / "test/image.guest").read_text())
     modules = test.build / "device/modules"
     overlay = test.overlay("test-sensors.service", "test-feeder.service", cameras=True,
