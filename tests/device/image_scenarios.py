@@ -10,6 +10,7 @@ import hashlib
 import os
 import random
 import re
+import resource
 import shutil
 import socket
 import subprocess
@@ -454,7 +455,9 @@ def main():
     test = Test(options)
     begin = time.monotonic()
     scenarios[options.scenario](test)
-    print(f"{options.scenario}: {time.monotonic() - begin:.0f} s of this machine", flush=True)
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    print(f"{options.scenario}: {time.monotonic() - begin:.0f} s of this machine, "
+          f"{used.ru_utime + used.ru_stime:.0f} s of its processors", flush=True)
     if not test.findings:
         for path in test.out.glob("*"):
             if path.name != "console":

@@ -23,7 +23,7 @@ class Card:
     """A running machine. `console` holds all that it has said."""
 
     def __init__(self, image, extra="", disks=(), devices=(), counted=False, log=None):
-        command = ["nice", "qemu-system-aarch64", *MACHINE, *(COUNTED if counted else FREE)]
+        command = ["qemu-system-aarch64", *MACHINE, *(COUNTED if counted else FREE)]
         # The last disk is U-Boot's first.
         for number, (path, serial) in enumerate(disks):
             command += ["-drive", f"if=none,format=raw,readonly=on,id=disk{number},file={path}",

@@ -9,8 +9,8 @@ import time
 OUR_MAC = bytes.fromhex("525400000001")
 BROADCAST = b"\xff" * 6
 ALL_TCP = range(1, 65536)
-WINDOW = 400  # SYNs that are on their way
-ROUNDS = 3
+WINDOW = 200  # SYNs that are on their way; what is lost is sent again
+SILENT_ROUNDS = 2
 SYN, ACK, RST = 2, 16, 4
 
 
@@ -90,14 +90,15 @@ class Link:
         source = socket.inet_ntoa(self.ours) if self.ours else peer_of(target)
         self.ours = address(source)
         unanswered, is_open = set(ports), []
-        for number in range(ROUNDS):
-            if number == 2 and len(unanswered) == len(ports):
-                break  # nobody there
+        silent = 0  # rounds without an answer: nobody is there
+        while unanswered and silent < SILENT_ROUNDS:
+            before = len(unanswered)
             for sent, port in enumerate(sorted(unanswered), 1):
                 self.syn(source, target, port)
                 if sent % WINDOW == 0:
                     self._collect(target, unanswered, is_open, 0.02)
             self._collect(target, unanswered, is_open, 1)
+            silent = silent + 1 if len(unanswered) == before else 0
         return {"open": sorted(is_open), "answers": len(ports) - len(unanswered)}
 
     def _collect(self, target, unanswered, is_open, wait_s):
