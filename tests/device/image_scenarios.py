@@ -332,7 +332,8 @@ def failures(test):
 # how many seconds later the power is cut.
 MOMENTS = (("U-Boot 20", True, 3), ("PIRVS: state", True, 2), ("Starting kernel", True, 4),
            ("GOOD version", False, 0.5), ("UPDATE", False, 4), ("UPDATE", False, 4),
-           ("ARMED", False, 0.3), ("trial=", False, 0.3), ("trial=", False, 6))
+           ("ARMED", False, 0.3), ("left=2, starting", False, 0.3),
+           ("left=2, starting", False, 6))
 LAST = ("GOOD version", False, 0)
 
 
@@ -441,7 +442,11 @@ def ports(test):
     listed = sorted(set(re.findall(r"test: socket (.*)", machine.console)))
     print("sockets of the device: " + ", ".join(listed))
     known = {"tcp 192.168.7.1:4711", "udp 0.0.0.0:5353", "udp 0.0.0.0:67", "udp6 :::5353"}
-    test.expect(set(listed) <= known, f"sockets that docs/device.md does not list: {listed}")
+    # From one of these, which the kernel chooses, pirvsd sends its poses.
+    others = [name for name in listed if name not in known
+              and not re.fullmatch(r"udp 0\.0\.0\.0:(3[2-9]|4\d|5\d|60)\d{3}", name)]
+    test.expect(not others and len(listed) - len(known) <= 1,
+                f"sockets that docs/device.md does not list: {listed}")
 
 
 def main():

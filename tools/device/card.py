@@ -4,6 +4,7 @@ The card is a copy of the image, as large as a real one, so its own bytes are th
 What a test adds lies on disks beside it (pirvs.overlay=, board/ironsides/image/init), or in the
 FAT partition that a person edits.
 """
+import ctypes
 import os
 import signal
 import subprocess
@@ -17,6 +18,12 @@ MACHINE = ["-M", "virt,gic-version=3,acpi=off", "-cpu", "cortex-a72", "-m", "1G"
 # One nanosecond an instruction; else two processors as fast as they go.
 COUNTED = ["-smp", "1", "-icount", "shift=0,sleep=off"]
 FREE = ["-smp", "2", "-accel", "tcg,thread=multi"]
+
+
+def end_with_us():
+    """The machine's power goes when this program does, whatever ends it."""
+    set_parent_death_signal = 1
+    ctypes.CDLL(None).prctl(set_parent_death_signal, signal.SIGKILL)
 
 
 class Card:
@@ -35,7 +42,8 @@ class Card:
         self.starts, self._answered = 0, 0
         self.begin = time.monotonic()
         self.process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE,
-                                        stderr=subprocess.STDOUT, start_new_session=True)
+                                        stderr=subprocess.STDOUT, start_new_session=True,
+                                        preexec_fn=end_with_us)
         self._ended = threading.Event()
         threading.Thread(target=self._listen, daemon=True).start()
 

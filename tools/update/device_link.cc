@@ -1,6 +1,8 @@
 #include "tools/update/device_link.h"
 
 #include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <sys/time.h>
@@ -41,6 +43,15 @@ void set_silence(int fd, int option, int seconds) {
   setsockopt(fd, SOL_SOCKET, option, &limit, sizeof limit);
 }
 
+// A device that lost its power does not close its connections.
+void keep_alive(int fd) {
+  const int on = 1, idle_s = 10, interval_s = 5, probes = 4;
+  setsockopt(fd, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+  setsockopt(fd, IPPROTO_TCP, TCP_KEEPIDLE, &idle_s, sizeof idle_s);
+  setsockopt(fd, IPPROTO_TCP, TCP_KEEPINTVL, &interval_s, sizeof interval_s);
+  setsockopt(fd, IPPROTO_TCP, TCP_KEEPCNT, &probes, sizeof probes);
+}
+
 }  // namespace
 
 DeviceLink::DeviceLink(const std::string& host) : host_(host) {
@@ -55,6 +66,7 @@ DeviceLink::DeviceLink(const std::string& host) : host_(host) {
   }
   set_silence(fd_, SO_SNDTIMEO, kSilence_s_max);
   set_silence(fd_, SO_RCVTIMEO, kSilence_s_max);
+  keep_alive(fd_);
 }
 
 DeviceLink::~DeviceLink() { close(fd_); }

@@ -3,7 +3,8 @@
 // Out     send, send_file, read_line as they say.
 // Errors  InputError: no such host, no such file. LinkError: the device does not answer, or the
 //         connection broke. read_line: false at the end of the connection.
-// Cost    what the network costs; kSilence_s_max without a line is an error.
+// Cost    what the network costs. A device that is gone is noticed within half a minute, one that
+//         says nothing within kSilence_s_max.
 // Source  board/card/receive/lines.h.
 #pragma once
 
@@ -34,7 +35,7 @@ class DeviceLink {
   bool read_line(std::string& out);
 
  private:
-  static constexpr int kConnect_s_max = 5, kSilence_s_max = 120;
+  static constexpr int kConnect_s_max = 5, kSilence_s_max = 600;
 
   bool has_input() const;
 

@@ -19,7 +19,7 @@ namespace {
 // Takes one connection and does with it what a test says.
 class FakeDevice {
  public:
-  explicit FakeDevice(std::function<void(int)> serve) {
+  explicit FakeDevice(const std::function<void(int)>& serve) {
     listener_ = socket(AF_INET, SOCK_STREAM, 0);
     sockaddr_in here{};
     here.sin_family = AF_INET;

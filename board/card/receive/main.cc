@@ -6,6 +6,7 @@
 #include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/statvfs.h>
 #include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -106,6 +107,14 @@ bool write_all(int fd, const uint8_t* from, size_t size) {
   return true;
 }
 
+// In memory, and all others that keep something there find room as well.
+bool has_room(uint64_t bytes) {
+  constexpr uint64_t kForOthers = 16 << 20;
+  struct statvfs about {};
+  if (statvfs(kFolder, &about) != 0) return false;
+  return bytes + kForOthers <= uint64_t{about.f_bavail} * about.f_frsize;
+}
+
 // nullptr, or why not.
 const char* receive(int fd, uint64_t bytes) {
   while (bytes > 0) {
@@ -179,6 +188,7 @@ int take_update(uint64_t bytes) {
   if (state.good != running_slot()) {
     return refuse("the version that runs is on trial still: try again in a minute");
   }
+  if (!has_room(bytes)) return refuse("no memory for the bundle");
   const int fd = open(kBundle, O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0600);
   if (fd < 0) return refuse("no memory for the bundle");
   if (!say("ready")) return 1;
