@@ -202,7 +202,8 @@ class Device:
         self.test, self.port, self.ssh = test, free_port(), free_port()
         overlay = test.overlay()
         self.machine = test.start(image, [(overlay, "overlay")],
-                                  usb_link((self.port, 4711), (self.ssh, 22)))
+                                  usb_link((self.port, 4711), (self.ssh, 22)),
+                                  extra="systemd.journald.forward_to_console=1")
         self.host = f"127.0.0.1:{self.port}"
 
     def __enter__(self):
