@@ -218,7 +218,7 @@ class Device:
             asked = self.test.pirvs("update", self.host)
             if asked.returncode == 0:
                 return asked.stdout.strip()
-            time.sleep(1)
+            time.sleep(2)
         return f"nothing: {asked.stderr.strip()}"
 
     def update(self, bundle):

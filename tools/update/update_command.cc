@@ -90,7 +90,7 @@ Running wait_for_verdict(const UpdateOptions& options, const Running& before) {
   std::string why = "it has not started again";
   std::string seen = before.boot;
   while (Clock::now() < end) {
-    std::this_thread::sleep_for(std::chrono::seconds(1));
+    std::this_thread::sleep_for(std::chrono::seconds(2));
     try {
       const Running now = ask(options.host);
       if (now.boot == before.boot) continue;
