@@ -1,7 +1,8 @@
 # A PC: the program, its tools and all tests. Included by board/<name>/board.mk.
 #
 #   library   *.cc below core, modules, bsp/linux, bsp/replay, bsp/drivers, board/$(BOARD); of
-#             board/linux what is neither main nor wiring, for its tests
+#             board/linux and board/usb what is neither main nor wiring, of board/pc the JPEG
+#             decoder, for their tests
 #   tools     *.cc below tools; the file with main() becomes build/host/pirvs
 #   tests     *_test.cc beside its source: address and UB sanitizers on
 #   systems   *.cc below tests: whole-system replays, too slow for sanitizers, optimised build
@@ -22,7 +23,8 @@ endif
 
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
-  board/$(BOARD)) $(filter-out %/main.cc %/wiring.cc,$(call find_cc,board/linux board/card))
+  board/$(BOARD)) $(wildcard board/pc/jpeg*.cc) $(filter-out %/main.cc %/wiring.cc \
+  %/heap_watch.cc,$(call find_cc,board/linux board/usb board/card))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
 EMULATOR_SRC := $(call find_cc,tests/emulator)
@@ -44,8 +46,9 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
-  board/linux/settings.cc modules/door/% modules/recorder/order_row.cc bsp/replay/% \
-  bsp/drivers/device_tree/% bsp/linux/assert.cc bsp/linux/clock.cc \
+  board/linux/settings.cc board/linux/text_commands.cc board/usb/usb_settings.cc modules/door/% \
+  modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
+  bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
 FUZZ_TOOL_SRC := $(filter-out %_test.cc,$(ALL_FUZZ)) $(filter-out %_command.cc,\
   $(filter tools/dataset/% tools/run/fault.cc tools/run/parameters.cc,$(TOOL_SRC)))
@@ -69,8 +72,8 @@ CLANGXX ?= clang++
 TOOLS := -isystem /usr/include/opencv4
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lpthread
-LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS)
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lpthread
+LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
@@ -131,8 +134,8 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 
 # Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
 DEVICE := $(BUILD)/device
-test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release ## pirvsd under an arm64 kernel alone
-	@$(MAKE) -s BOARD=ironsides all $(DEVICE)/feeder
+test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release $(DEVICE)/modules/dummy_hcd.c ## pirvsd under an arm64 kernel alone
+	@$(MAKE) -s BOARD=ironsides all $(addprefix $(DEVICE)/,feeder robot usb_peer)
 	@$(MAKE) -s BOARD=ironsides image $(DEVICE)/first_pose
 	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
@@ -140,6 +143,12 @@ test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release ## pirvsd under 
 	  --gtest_output=json:$(BUILD)/test/device.json $(GTEST_FILTER_ARG)
 $(DEVICE)/release: tools/device/fetch_kernel | $(BUILD)/setup.stamp
 	@tools/device/fetch_kernel $(DEVICE)
+# A USB device controller and a host in one, out of the kernel's source, 140 MB, fetched once.
+$(DEVICE)/source/dummy_hcd.c: tools/device/fetch_source $(DEVICE)/release
+	@tools/device/fetch_source $(DEVICE) $(@D) drivers/usb/gadget/udc/dummy_hcd.c
+$(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/source/dummy_hcd.c
+	@mkdir -p $(@D)
+	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
 
 CUTS ?= 200
 nightly: ## what takes too long for every day: the power of a card is cut 200 times

@@ -54,7 +54,7 @@ $(BUILD)/device/first_pose: $(FIRST_POSE_OBJ)
 	@$(CXX_LINUX) $(LINUX_LINK) $< -o $@
 
 # What a slot holds. Programs without symbols: build/BOARD/pirvsd keeps them.
-DEVICE_PROGRAMS := pirvsd pirvs-card pirvs-receive
+DEVICE_PROGRAMS := pirvsd pirvs-usb pirvs-card pirvs-receive
 SLOT_PROGRAMS := $(DEVICE_PROGRAMS:%=$(SLOT)/bin/%)
 $(SLOT)/bin/%: $(OUT)/%
 	@mkdir -p $(@D)

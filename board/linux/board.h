@@ -5,6 +5,8 @@
 #pragma once
 
 #include "bsp/linux/cores.h"
+#include "bsp/linux/media_graph.h"
+#include "bsp/linux/pixel_format.h"
 #include "modules/app/app.h"
 
 namespace pirvs::board {
@@ -12,7 +14,9 @@ namespace pirvs::board {
 struct LinuxBoard {
   const char* name;
   CorePlan plan;
-  bsp::CoreSetup cores[bsp::kCoresMax];  // those of the plan, then the recorder's
+  bsp::CoreSetup cores[bsp::kCoresMax];    // those of the plan, then the recorder's
+  const bsp::MediaTable* media = nullptr;  // camera.left = isp:0; nullptr: there are no ISPs
+  bsp::JpegToGrey jpeg = nullptr;
 };
 extern const LinuxBoard kBoard;
 

@@ -9,12 +9,20 @@
 #include <cstring>
 
 #include "board/linux/board.h"
+#include "board/linux/heap_watch.h"
+#include "board/linux/image_share.h"
+#include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
+#include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
+#include "board/linux/stream_output.h"
+#include "board/linux/watchdog.h"
 #include "board/linux/wiring.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/disk_sync.h"
+#include "bsp/linux/events.h"
 #include "bsp/linux/storage.h"
 #include "core/base/text.h"
 #include "modules/calibration/calibration_check.h"
@@ -34,9 +42,10 @@ constexpr const char* kHelp =
     "              [--set KEY=VALUE]...\n"
     "  CONFIG         a file of `key = value`; what follows it on the command line wins\n"
     "  --camera       nodes of V4L2, /dev/video0,/dev/video2\n"
-    "  --imu          iio:0, or by the name of its driver, iio:mpu6500\n"
+    "  --imu          iio:0, or by the name of its driver, iio:mpu6500; or icm20602:BUS\n"
     "  --calibration  written by `pirvs calibration`\n"
     "  --set          any key of the file, output.text=frames\n"
+    "  --health-low   alone behind CONFIG: puts HEALTH low and ends; for when pirvsd was killed\n"
     "Poses come on standard output, one a line: t x y z qx qy qz qw health confidence.\n"
     "News of sensors and health come on standard error. SIGTERM and SIGINT end it in order.\n"
     "Exit status: 0 ended by a signal, 1 a core could not be started, 2 bad input.\n";
@@ -44,6 +53,12 @@ constexpr const char* kHelp =
 App app;
 Settings settings;
 PoseOutput poses;
+Pins pins;
+StreamOutput stream_output;
+Watchdog watchdog;
+bsp::DiskSync disk_sync;
+SerialLink serial;
+ImageShare images;
 Calibration calibration;
 char config_text[kSettingsTextMax];
 char calibration_text[kCalibrationTextMax + kSettingsTextMax];
@@ -72,7 +87,28 @@ void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 
+void on_answer(void*, const Answer& answer) { serial.answer(answer); }
+
+void on_frame_taken(const StereoFrame& frame) {
+  watchdog.ready();
+  pins.frame_taken(frame.t);
+  stream_output.frame(frame);
+  images.frame(frame);
+}
+
+void on_pose(const Pose& pose) {
+  pins.pose(pose);
+  stream_output.pose(pose);
+}
+
+void on_sync_in(void*, const SyncEvent& event) {
+  poses.event(event);
+  stream_output.event(event);
+}
+
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
+  pins.health(state);
+  stream_output.health(t, state, what);
   constexpr int kMillis = 3;
   Text<192> line;
   line.put("pirvsd: ").fixed(to_seconds(t), kMillis).put(' ').put(name(state)).put(", ").put(what);
@@ -174,6 +210,10 @@ bool read_command_line(int argc, char** argv) {
     }
     if (!take_option(argv[at], argv[at + 1])) return false;
   }
+  if (kBoard.media == nullptr && isp_of(settings.camera[0]) >= 0) {
+    return say_fault("settings", {0, "this board has no ISPs, name a video node", "camera.left"});
+  }
+  finish_settings(settings);
   const ConfigFault fault = find_missing(settings);
   return !fault || say_fault("settings", fault);
 }
@@ -199,8 +239,17 @@ bool read_device_calibration() {
 
 // ---- the machine -------------------------------------------------------------------------------
 
+// Others go first when memory runs out. Without the right to say so it is as any program.
+void ask_not_to_be_killed() {
+  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return;
+  (void)!write(fd, "-900", 4);
+  close(fd);
+}
+
 void take_the_machine() {
   if (!settings.realtime) return;
+  ask_not_to_be_killed();
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     say("memory not locked", "it needs CAP_IPC_LOCK or RLIMIT_MEMLOCK");
   }
@@ -223,20 +272,47 @@ SensorSetup sensors() {
     bsp::V4l2Setup& camera = out.stereo.camera[c];
     camera.path = settings.camera[c].text;
     camera.event_path = settings.camera_events[c].text;
+    camera.controls.sensor = settings.camera_sensor[c].text;
+    camera.jpeg = kBoard.jpeg;
     camera.width = calibration.camera[c].width;
     camera.height = calibration.camera[c].height;
+    if (isp_of(settings.camera[c]) < 0) continue;
+    camera.media.table = kBoard.media;
+    camera.media.camera = isp_of(settings.camera[c]);
+    camera.clock = bsp::StampClock::kBoottime;  // rkisp1's, whatever its flags say
   }
-  out.imu = settings.iio;
-  out.imu.device = settings.imu.text;
+  out.iio = settings.iio;
+  out.iio.device = settings.imu.text;
+  out.imu_is_on_i2c = settings.imu_is_on_i2c;
+  out.i2c_imu = settings.i2c_imu;
+  out.i2c_imu.device = settings.imu.text;
+  out.i2c_imu.data_ready = settings.imu_data_ready.text;
+  out.i2c_imu.urgent = settings.realtime;
   out.news.tell = on_news;
   out.core = kBoard.plan.door;
+  out.frame_taken = on_frame_taken;
   return out;
+}
+
+// What a pin lacks is told, and the device runs without it.
+void open_pins() {
+  PinSinks sinks;
+  sinks.deliver = [](void*, const Arrival& arrival) { return app.deliver(arrival); };
+  sinks.event = on_sync_in;
+  (void)pins.open(settings.pins, settings.realtime, {nullptr, on_news}, sinks);
+  if (pins.sync_in_fd() >= 0) (void)bsp::watch_fd(0, pins.sync_in_fd());
+}
+
+void close_pins() {
+  if (pins.sync_in_fd() >= 0) bsp::forget_fd(0, pins.sync_in_fd());
+  pins.close();
 }
 
 bool start_record() {
   if (settings.record.text[0] == 0) return true;
   (void)mkdir(settings.record.text, 0755);  // app.record() tells when this was in vain
   bsp::set_storage_directory(settings.record.text);
+  (void)disk_sync.start(settings.record.text);
   const Status status = app.record();
   if (status != Status::kOk) say(settings.record.text, "cannot record there");
   return status == Status::kOk;
@@ -244,11 +320,45 @@ bool start_record() {
 
 // ---- the end -----------------------------------------------------------------------------------
 
-void say_counter(const char* device, const char* name, uint64_t value) {
+// Every counter of the device, `camera.left.lost` and so on.
+void for_each_counter_of_device(VisitValue visit, void* context) {
+  struct Named {
+    VisitValue visit;
+    void* context;
+    void operator()(const char* device, const char* name, uint64_t value) const {
+      Text<96> whole;
+      whole.put(device).put(device[0] != 0 ? "." : "").put(name);
+      visit(context, whole.c_str(), value);
+    }
+  };
+  static Named named;
+  named = {visit, context};
+  NamedValue values[kCountersMax];
+  const int count = app.counters(values, kCountersMax);
+  for (int i = 0; i < count; ++i) named("", values[i].name, values[i].value);
+  for_each_sensor_counter(
+      [](const char* device, const char* name, uint32_t value) { named(device, name, value); });
+  for_each_counter(pins.counters(), kPinCounterRows,
+                   [](const char* name, uint32_t value) { named("pin", name, value); });
+  named("pin", "sync_out_pulses", pins.pulses());
+  named("pin", "sync_out_left_out", pins.pulses_left_out());
+  for_each_counter(stream_output.counters(), kStreamCounterRows,
+                   [](const char* name, uint32_t value) { named("stream", name, value); });
+  for_each_counter(serial.counters(), kSerialLinkRows,
+                   [](const char* name, uint32_t value) { named("serial", name, value); });
+  for_each_counter(images.counters(), kImageShareRows,
+                   [](const char* name, uint32_t value) { named("images", name, value); });
+  named("output", "lines", poses.written());
+  named("output", "datagrams", poses.sent());
+  named("output", "dropped", poses.dropped());
+  named("heap", "calls", heap::calls());
+  named("heap", "calls_after_start", heap::calls_after_start());
+}
+
+void say_counter(void*, const char* name, uint64_t value) {
   if (value == 0) return;
   Text<160> line;
-  line.put("counter ").put(device).put(device[0] != 0 ? "." : "").put(name).put(' ');
-  line.unsigned_number(value);
+  line.put("counter ").put(name).put(' ').unsigned_number(value);
   say(line);
 }
 
@@ -263,17 +373,34 @@ void say_latency(const char* name, const LatencySummary& summary) {
 }
 
 void say_counters() {
-  NamedValue values[kCountersMax];
-  const int count = app.counters(values, kCountersMax);
-  for (int i = 0; i < count; ++i) say_counter("", values[i].name, values[i].value);
-  for_each_sensor_counter([](const char* device, const char* name, uint32_t value) {
-    say_counter(device, name, value);
-  });
-  say_counter("output", "lines", poses.written());
-  say_counter("output", "datagrams", poses.sent());
-  say_counter("output", "dropped", poses.dropped());
+  for_each_counter_of_device(say_counter, nullptr);
   say_latency("imu_to_pose", app.latency().imu_to_pose.summary());
   say_latency("exposure_to_fused", app.latency().exposure_to_fused.summary());
+}
+
+// ` name=value` of what is not zero.
+void put_counters(void*, TextWriter& out) {
+  const auto put = [](void* to, const char* name, uint64_t value) {
+    if (value == 0) return;
+    static_cast<TextWriter*>(to)->put(' ').put(name).put('=').unsigned_number(value);
+  };
+  for_each_counter_of_device(put, &out);
+}
+
+void start_links() {
+  const auto command = [](void*, const Command& command) { return app.command(command); };
+  serial.configure(settings.serial.text, {nullptr, command, put_counters});
+  if (serial.wanted()) poses.also([](const TextWriter& line) { serial.pose(line); });
+  if (settings.images.text[0] == 0) return;
+  const Camera& camera = calibration.camera[0];
+  const Status status =
+      images.open(settings.images.text, calibration.cameras, camera.width, camera.height);
+  if (status != Status::kOk) say(settings.images.text, "images cannot be given out there");
+}
+
+void end_links() {
+  serial.close();
+  images.close();
 }
 
 void stop_when_wanted(bool& asked) {
@@ -288,6 +415,7 @@ int run() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.answer = on_answer;
   app.configure(calibration, settings.params, sinks);
   app.set_clock(bsp::now);
   if (!start_record()) return kExitBadInput;
@@ -295,21 +423,55 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
+  if (const char* const why = start_trigger(settings.trigger)) {
+    say("trigger", why);
+    return kExitBadInput;
+  }
+  start_links();
+  open_pins();
+  if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
+    say(settings.watchdog.text, why);
+  }
+  if (settings.has_stream) {
+    const char* const why = stream_output.open(settings.stream, app, for_each_counter_of_device);
+    if (why != nullptr) say("output.stream", why);
+  }
   wire_sensors(sensors());
   const bool started = app.start(kBoard.plan, Drive::kTimed) == Status::kOk;
   if (!started) say("cores", "a thread could not be started");
   if (const char* const why = bsp::core_refusals()) say(kBoard.name, why);
+  heap::start_is_over();
   bool asked_to_stop = false;
   while (started && app.poll() != Status::kStale) {
-    poses.send();
+    poses.send(on_pose);
+    pins.poll();
+    stream_output.poll();
+    watchdog.poll();
+    serial.poll(bsp::now());
     stop_when_wanted(asked_to_stop);
   }
   (void)app.finish();  // a run that never found a start is no failure of the program
-  poses.send();
+  poses.send(on_pose);
   say_counters();
+  end_links();
   poses.close();
+  disk_sync.stop();
+  close_pins();
+  stream_output.close();
+  watchdog.close();
   unwire_sensors();
   return started ? kExitDone : kExitFailed;
+}
+
+// A pin stays as it was when the program that drove it is killed.
+int put_health_low(const char* config) {
+  if (!read_config(config)) return kExitBadInput;
+  const char* const pin = settings.pins.health.text;
+  if (pin[0] == 0) return kExitDone;
+  bsp::OutputPin health;
+  const char* const why = health.open(pin, false, "pirvsd");
+  if (why != nullptr) say(pin, why);
+  return why == nullptr ? kExitDone : kExitFailed;
 }
 
 int main_of(int argc, char** argv) {
@@ -317,6 +479,7 @@ int main_of(int argc, char** argv) {
     (void)!write(STDOUT_FILENO, kHelp, std::strlen(kHelp));
     return kExitDone;
   }
+  if (argc == 3 && std::strcmp(argv[2], "--health-low") == 0) return put_health_low(argv[1]);
   if (!read_command_line(argc, argv) || !read_device_calibration()) return kExitBadInput;
   obey_signals();
   take_the_machine();

@@ -21,9 +21,9 @@ Status PoseOutput::configure(const Settings& settings, PoseFeed& feed) {
   text_ = settings.text;
   to_ = settings.poses_to;
   if (settings.has_poses_to) {
-    const bsp::Reach reach =
-        to_.address == bsp::Endpoint{}.address ? bsp::Reach::kThisMachine : bsp::Reach::kNetwork;
-    const Result<bsp::Socket> socket = bsp::datagram_open(0, reach);
+    bsp::Endpoint own;
+    if (to_.address != own.address) own.address = bsp::kAnyAddress;
+    const Result<bsp::Socket> socket = bsp::datagram_open(own);
     if (!socket.ok()) return socket.status();
     socket_ = socket.value();
     has_socket_ = true;
@@ -61,11 +61,28 @@ void PoseOutput::frame(const FrameReport& report) {
   write_line(line);
 }
 
-void PoseOutput::send() {
+void PoseOutput::event(const SyncEvent& event) {
+  if (text_ == TextOutput::kNone) return;
+  constexpr int kNanos = 9;
+  Text<kPoseTextMax> line;
+  line.put("# sync_in ").fixed(to_seconds(event.edge.t), kNanos);
+  line.put(event.edge.level ? " 1" : " 0");
+  if (event.has_pose) {
+    line.put(' ');
+    put_line(line, event.edge.t, event.pose.state.T_WB, event.pose.health, event.pose.trust);
+  } else {
+    line.put('\n');
+  }
+  write_line(line);
+}
+
+void PoseOutput::send(void (*seen)(const Pose&)) {
   while (const Pose* const pose = feed_->next(consumer_)) {
+    seen(*pose);
     Text<kPoseTextMax> line;
     put_line(line, pose->state.t, pose->state.T_WB, pose->health, pose->trust);
     if (text_ == TextOutput::kPoses) write_line(line);
+    if (also_ != nullptr) also_(line);
     if (!has_socket_) continue;
     const Status status = bsp::datagram_send(socket_, to_, line.c_str(), line.size());
     if (status == Status::kOk) {

@@ -1,7 +1,10 @@
 #include "board/linux/settings.h"
 
+#include <algorithm>
 #include <cstring>
 #include <iterator>
+
+#include "board/usb/usb_settings.h"
 
 namespace pirvs::board {
 namespace {
@@ -21,8 +24,16 @@ constexpr Choice<bsp::StampClock> kClocks[] = {{"monotonic", bsp::StampClock::kM
 constexpr Choice<bsp::StampMeans> kStamps[] = {{"driver", bsp::StampMeans::kDriver},
                                                {"exposure_start", bsp::StampMeans::kExposureStart},
                                                {"frame_end", bsp::StampMeans::kFrameEnd}};
+constexpr Choice<bsp::GreyRange> kRanges[] = {{"driver", bsp::GreyRange::kDriver},
+                                              {"full", bsp::GreyRange::kFull},
+                                              {"limited", bsp::GreyRange::kLimited}};
 constexpr Choice<TextOutput> kOutputs[] = {
     {"poses", TextOutput::kPoses}, {"frames", TextOutput::kFrames}, {"none", TextOutput::kNone}};
+
+constexpr Choice<bsp::EdgeKind> kEdges[] = {{"rising", bsp::EdgeKind::kRising},
+                                            {"falling", bsp::EdgeKind::kFalling},
+                                            {"both", bsp::EdgeKind::kBoth}};
+constexpr Choice<bool> kSyncIns[] = {{"event", false}, {"pps", true}};
 
 // Each reads a value: nullptr, or what is wrong with it.
 const char* read_text(std::string_view value, SettingText& out) {
@@ -78,6 +89,22 @@ const char* read_stamp(std::string_view value, Settings& out) {
   return good ? nullptr : "driver, exposure_start or frame_end";
 }
 
+const char* read_range(std::string_view value, Settings& out) {
+  const bool good = read_choice_of_both(value, kRanges, &bsp::V4l2Setup::range, out);
+  return good ? nullptr : "driver, full or limited";
+}
+
+// As V4L2 codes it, four characters, or any.
+const char* read_format(std::string_view value, Settings& out) {
+  uint32_t code = 0;
+  if (value != "any" && value.size() != 4) return "any, or four characters, as GREY, YUYV or MJPG";
+  for (size_t i = 0; value != "any" && i < 4; ++i) {
+    code |= static_cast<uint32_t>(static_cast<uint8_t>(value[i])) << 8 * i;
+  }
+  for (auto& camera : out.stereo.camera) camera.format = code;
+  return nullptr;
+}
+
 const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*field,
                               Settings& out) {
   const char* why = nullptr;
@@ -87,8 +114,83 @@ const char* read_time_of_both(std::string_view value, TimeNs bsp::V4l2Setup::*fi
   return why;
 }
 
+const char* read_camera(std::string_view value, SettingText& out) {
+  const bool isp = !behind(value, "isp:").empty();
+  if (isp && value != "isp:0" && value != "isp:1") return "an ISP is isp:0 or isp:1";
+  return read_text(value, out);
+}
+
+// pwm:CHIP.CHANNEL
+const char* read_trigger(std::string_view value, Settings& out) {
+  constexpr const char* kWrong = "none, or pwm: and chip.channel, as pwm:1.0";
+  const std::string_view number = behind(value, "pwm:");
+  size_t dot = 0;
+  while (dot < number.size() && number[dot] != '.') ++dot;
+  int64_t chip = -1, channel = 0;
+  if (value != "none" &&
+      (dot >= number.size() || !read_whole({number.data(), dot}, 0, 63, chip) ||
+       !read_whole({number.data() + dot + 1, number.size() - dot - 1}, 0, 63, channel))) {
+    return kWrong;
+  }
+  out.trigger.pwm_chip = static_cast<int>(chip);
+  out.trigger.pwm_channel = static_cast<int>(channel);
+  return nullptr;
+}
+
+const char* read_trigger_rate(std::string_view value, Settings& out) {
+  double rate_hz = 0;
+  if (!read_numbers(value, &rate_hz, 1) || rate_hz < 1 || rate_hz > 200) {
+    return "not a rate from 1 to 200 Hz";
+  }
+  out.trigger.timing.period_ns = static_cast<uint32_t>(from_seconds(1 / rate_hz));
+  return nullptr;
+}
+
+const char* read_trigger_width(std::string_view value, Settings& out) {
+  TimeNs width = 0;
+  const char* const why = read_time(value, kMicro, 100 * kMilli, width);
+  if (why == nullptr) out.trigger.timing.width_ns = static_cast<uint32_t>(width);
+  return why;
+}
+
+// auto, camera, or microseconds.
+const char* read_exposure(std::string_view value, Settings& out) {
+  ExposureParams& exposure = out.params.exposure;
+  double us = 0;
+  const bool word = value == "auto" || value == "camera";
+  if (!word && (!read_numbers(value, &us, 1) || us < 10 || us > 200e3)) {
+    return "auto, camera, or 10 to 200000 microseconds";
+  }
+  exposure.automatic = value == "camera" ? 0 : 1;
+  exposure.exposure_s = static_cast<float>(1e-6 * us);
+  return nullptr;
+}
+
+const char* read_gain(std::string_view value, Settings& out) {
+  double gain = 0;
+  if (value != "auto" && (!read_numbers(value, &gain, 1) || gain < 1 || gain > 64)) {
+    return "auto, or a factor from 1 to 64";
+  }
+  out.params.exposure.gain = static_cast<float>(gain);
+  return nullptr;
+}
+
+const char* read_gain_one(std::string_view value, Settings& out) {
+  int64_t code = 0;
+  if (!read_whole(value, 0, 65'535, code)) return "not a code from 0 to 65535";
+  for (auto& camera : out.stereo.camera) camera.controls.gain_one = static_cast<int>(code);
+  return nullptr;
+}
+
+const char* read_delay(std::string_view value, Settings& out) {
+  int64_t images = 0;
+  if (!read_whole(value, 0, 8, images)) return "not a number of images from 0 to 8";
+  for (auto& camera : out.stereo.camera) camera.control_delay = static_cast<int>(images);
+  return nullptr;
+}
+
 // 192.168.7.2:14550
-const char* read_endpoint(std::string_view value, Settings& out) {
+const char* read_endpoint(std::string_view value, bsp::Endpoint& out) {
   constexpr const char* kWrong = "not an address and a port, as 192.168.7.2:14550";
   uint32_t address = 0;
   const char* at = value.data();
@@ -103,8 +205,7 @@ const char* read_endpoint(std::string_view value, Settings& out) {
     }
     if (i == 4) {
       if (stop != end) return kWrong;
-      out.poses_to = {address, static_cast<uint16_t>(part)};
-      out.has_poses_to = true;
+      out = {address, static_cast<uint16_t>(part)};
       return nullptr;
     }
     if (stop == end || *stop != (i == 3 ? ':' : '.')) return kWrong;
@@ -112,6 +213,16 @@ const char* read_endpoint(std::string_view value, Settings& out) {
     at = stop + 1;
   }
   return kWrong;
+}
+
+const char* read_poses_to(std::string_view value, Settings& out) {
+  out.has_poses_to = true;
+  return read_endpoint(value, out.poses_to);
+}
+
+const char* read_stream(std::string_view value, Settings& out) {
+  out.has_stream = true;
+  return read_endpoint(value, out.stream);
 }
 
 const char* read_rate(std::string_view value, Settings& out) {
@@ -124,8 +235,53 @@ const char* read_rate(std::string_view value, Settings& out) {
 }
 
 const char* read_imu(std::string_view value, Settings& out) {
-  const bool iio = !behind(value, "iio:").empty();
-  return iio ? read_text(value, out.imu) : "an IMU is iio: and its number or name";
+  if (!behind(value, "iio:").empty()) {
+    out.imu_is_on_i2c = false;
+    return read_text(value, out.imu);
+  }
+  constexpr const char* kWrong = "an IMU is iio: and its number or name, or icm20602:BUS[:ADDRESS]";
+  std::string_view bus = behind(value, "icm20602:");
+  const size_t colon = bus.find(':');
+  if (colon != std::string_view::npos) {
+    // As i2cdetect shows it.
+    const std::string_view address(bus.data() + colon + 1, bus.size() - colon - 1);
+    if (address != "68" && address != "69") return "an ICM-20602 is at 68 or 69 (hexadecimal)";
+    out.i2c_imu.address = address == "69" ? 0x69 : 0x68;
+    bus = {bus.data(), colon};
+  }
+  int64_t number = 0;
+  if (!read_whole(bus, 0, 255, number)) return kWrong;
+  out.i2c_imu.bus = static_cast<int>(number);
+  out.imu_is_on_i2c = true;
+  return read_text(value, out.imu);
+}
+
+const char* read_imu_delay(std::string_view value, Settings& out) {
+  const char* const why = read_time(value, kMicro, 100 * kMilli, out.iio.delay_ns);
+  out.i2c_imu.delay_ns = out.iio.delay_ns;
+  return why;
+}
+
+const char* read_sync_in_edge(std::string_view value, Settings& out) {
+  return read_choice(value, kEdges, out.pins.sync_in_edge) ? nullptr : "rising, falling or both";
+}
+
+const char* read_sync_in_as(std::string_view value, Settings& out) {
+  return read_choice(value, kSyncIns, out.pins.sync_in_is_pps) ? nullptr : "event or pps";
+}
+
+const char* read_confidence(std::string_view value, Settings& out) {
+  double number = 0;
+  if (!read_numbers(value, &number, 1) || number < 0 || number > 1) return "not from 0 to 1";
+  out.pins.health_confidence = static_cast<float>(number);
+  return nullptr;
+}
+
+const char* read_encoder(std::string_view value, SettingText (&out)[2]) {
+  std::string_view names[2];
+  if (!read_words(value, names, 2)) return "an encoder has two pins, A and B";
+  const char* const why = read_text(names[0], out[0]);
+  return why != nullptr ? why : read_text(names[1], out[1]);
 }
 
 struct Key {
@@ -135,13 +291,28 @@ struct Key {
 constexpr Key kKeys[] = {
     {"calibration",
      [](std::string_view v, Settings& out) { return read_text(v, out.calibration); }},
-    {"camera.left", [](std::string_view v, Settings& out) { return read_text(v, out.camera[0]); }},
-    {"camera.right", [](std::string_view v, Settings& out) { return read_text(v, out.camera[1]); }},
+    {"camera.left",
+     [](std::string_view v, Settings& out) { return read_camera(v, out.camera[0]); }},
+    {"camera.right",
+     [](std::string_view v, Settings& out) { return read_camera(v, out.camera[1]); }},
+    {"trigger", read_trigger},
+    {"trigger.rate_hz", read_trigger_rate},
+    {"trigger.width_us", read_trigger_width},
     {"camera.left_events",
      [](std::string_view v, Settings& out) { return read_text(v, out.camera_events[0]); }},
     {"camera.right_events",
      [](std::string_view v, Settings& out) { return read_text(v, out.camera_events[1]); }},
+    {"camera.left_sensor",
+     [](std::string_view v, Settings& out) { return read_text(v, out.camera_sensor[0]); }},
+    {"camera.right_sensor",
+     [](std::string_view v, Settings& out) { return read_text(v, out.camera_sensor[1]); }},
+    {"camera.exposure", read_exposure},
+    {"camera.gain", read_gain},
+    {"camera.gain_one", read_gain_one},
+    {"camera.control_delay", read_delay},
     {"camera.pairing", read_pairing},
+    {"camera.format", read_format},
+    {"camera.range", read_range},
     {"camera.clock", read_clock},
     {"camera.stamp", read_stamp},
     {"camera.exposure_us",
@@ -162,13 +333,32 @@ constexpr Key kKeys[] = {
      }},
     {"imu", read_imu},
     {"imu.rate_hz", read_rate},
-    {"imu.delay_us",
-     [](std::string_view v, Settings& out) {
-       return read_time(v, kMicro, 100 * kMilli, out.iio.delay_ns);
-     }},
+    {"imu.delay_us", read_imu_delay},
+    {"imu.data_ready",
+     [](std::string_view v, Settings& out) { return read_text(v, out.imu_data_ready); }},
     {"output.text", read_output},
-    {"output.poses", read_endpoint},
+    {"output.poses", read_poses_to},
+    {"output.stream", read_stream},
+    {"output.serial", [](std::string_view v, Settings& out) { return read_text(v, out.serial); }},
+    {"output.images", [](std::string_view v, Settings& out) { return read_text(v, out.images); }},
+    {"pin.health", [](std::string_view v, Settings& out) { return read_text(v, out.pins.health); }},
+    {"pin.health_confidence", read_confidence},
+    {"pin.sync_out",
+     [](std::string_view v, Settings& out) { return read_text(v, out.pins.sync_out); }},
+    {"pin.sync_out_us",
+     [](std::string_view v, Settings& out) {
+       return read_time(v, kMicro, 10 * kMilli, out.pins.sync_out_width_ns);
+     }},
+    {"pin.sync_in",
+     [](std::string_view v, Settings& out) { return read_text(v, out.pins.sync_in); }},
+    {"pin.sync_in_edge", read_sync_in_edge},
+    {"pin.sync_in_as", read_sync_in_as},
+    {"pin.wheel_left",
+     [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[0]); }},
+    {"pin.wheel_right",
+     [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[1]); }},
     {"record", [](std::string_view v, Settings& out) { return read_text(v, out.record); }},
+    {"watchdog", [](std::string_view v, Settings& out) { return read_text(v, out.watchdog); }},
     {"realtime",
      [](std::string_view v, Settings& out) -> const char* {
        return read_yes_no(v, out.realtime) ? nullptr : "yes or no";
@@ -181,10 +371,28 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   for (const Key& known : kKeys) {
     if (key == known.name) return known.read(value, settings);
   }
+  if (is_usb_key(key)) {
+    UsbSettings usb;  // pirvs-usb's: here for their faults alone
+    return set_usb_setting(usb, key, value);
+  }
   const std::string_view parameter = behind(key, kParameter);
   if (parameter.empty()) return "no such key";
   const ParamAnswer answer = set_parameter(settings.params, parameter, value);
   return answer.ok() ? nullptr : name(answer.status);
+}
+
+int isp_of(const SettingText& camera) {
+  const std::string_view number = behind(camera.text, "isp:");
+  return number.empty() ? -1 : number[0] - '0';
+}
+
+void finish_settings(Settings& settings) {
+  if (settings.trigger.pwm_chip < 0) return;
+  ExposureParams& exposure = settings.params.exposure;
+  const float period_s = static_cast<float>(to_seconds(settings.trigger.timing.period_ns));
+  constexpr float kLeast_s = 1e-4f;  // as its row allows
+  exposure.longest_s =
+      std::clamp(period_s - exposure.readout_s, kLeast_s, std::max(kLeast_s, exposure.longest_s));
 }
 
 ConfigFault find_missing(const Settings& settings) {
@@ -196,6 +404,9 @@ ConfigFault find_missing(const Settings& settings) {
                 {settings.imu, "imu"}};
   for (const auto& row : needed) {
     if (row.value.text[0] == 0) return {0, "a key is missing", row.key};
+  }
+  if (settings.imu_is_on_i2c && settings.imu_data_ready.text[0] == 0) {
+    return {0, "an IMU on I2C needs the pin of its interrupt", "imu.data_ready"};
   }
   return {};
 }

@@ -18,15 +18,28 @@ TEST(Settings, ReadsAWholeFile) {
   const std::string text = std::string(kWhole) +
                            "camera.pairing = stamp\n"
                            "camera.clock = boottime\n"
+                           "camera.format = YUYV\n"
+                           "camera.range = limited\n"
                            "camera.stamp = frame_end\n"
                            "camera.exposure_us = 4000\n"
                            "camera.readout_us = 12500.5\n"
                            "camera.pair_ms = 0.5\n"
                            "camera.left_events = /dev/v4l-subdev3\n"
+                           "camera.right_sensor = /dev/v4l-subdev9\n"
+                           "camera.exposure = 2500\n"
+                           "camera.gain = 1.5\n"
+                           "camera.gain_one = 16\n"
+                           "camera.control_delay = 3\n"
+                           "trigger = pwm:1.0\n"
+                           "trigger.rate_hz = 60\n"
+                           "trigger.width_us = 500\n"
                            "imu.rate_hz = 500\n"
                            "imu.delay_us = 2900\n"
                            "output.text = frames\n"
                            "output.poses = 192.168.7.2:14550\n"
+                           "output.serial = /dev/ttyGS0\n"
+                           "output.images = /run/pirvs/images\n"
+                           "usb.size = 752 480\n"
                            "record = /tmp/flight\n"
                            "realtime = no\n"
                            "parameter.frontend.tracks_target = 120\n";
@@ -36,18 +49,33 @@ TEST(Settings, ReadsAWholeFile) {
   EXPECT_STREQ(out.calibration.text, "calibration.cfg");
   EXPECT_STREQ(out.camera[1].text, "/dev/video2");
   EXPECT_STREQ(out.camera_events[0].text, "/dev/v4l-subdev3");
+  EXPECT_STREQ(out.camera_sensor[1].text, "/dev/v4l-subdev9");
+  EXPECT_EQ(out.trigger.pwm_chip, 1);
+  EXPECT_EQ(out.trigger.pwm_channel, 0);
+  EXPECT_EQ(out.trigger.timing.period_ns, 16'666'667u);
+  EXPECT_EQ(out.trigger.timing.width_ns, 500'000u);
+  finish_settings(out);
+  EXPECT_FLOAT_EQ(out.params.exposure.longest_s, 1 / 60.0f - 0.005f) << "its readout is left";
+  EXPECT_FLOAT_EQ(out.params.exposure.exposure_s, 0.0025f);
+  EXPECT_EQ(out.params.exposure.gain, 1.5f);
   EXPECT_STREQ(out.imu.text, "iio:mpu6500");
   EXPECT_EQ(out.stereo.pairing, bsp::Pairing::kStamp);
   EXPECT_EQ(out.stereo.pair_ns_max, 500'000);
   for (const auto& camera : out.stereo.camera) {
     EXPECT_EQ(camera.clock, bsp::StampClock::kBoottime);
     EXPECT_EQ(camera.means, bsp::StampMeans::kFrameEnd);
+    EXPECT_EQ(camera.format, 0x5659'5559u) << "the first character is the lowest byte";
+    EXPECT_EQ(camera.range, bsp::GreyRange::kLimited);
     EXPECT_EQ(camera.exposure_ns, 4'000'000);
     EXPECT_EQ(camera.readout_ns, 12'500'500);
+    EXPECT_EQ(camera.controls.gain_one, 16);
+    EXPECT_EQ(camera.control_delay, 3);
   }
   EXPECT_EQ(out.iio.rate_hz, 500);
   EXPECT_EQ(out.iio.delay_ns, 2'900'000);
   EXPECT_EQ(out.text, TextOutput::kFrames);
+  EXPECT_STREQ(out.serial.text, "/dev/ttyGS0");
+  EXPECT_STREQ(out.images.text, "/run/pirvs/images");
   ASSERT_TRUE(out.has_poses_to);
   EXPECT_EQ(out.poses_to.address, 0xc0a8'0702u);
   EXPECT_EQ(out.poses_to.port, 14550);
@@ -66,9 +94,20 @@ TEST(Settings, EachBrokenLineIsNamed) {
       {"camera.left = /dev/video1", "the key stands there twice"},
       {"camera.pairing = arrival", "trigger or stamp"},
       {"camera.clock = realtime", "monotonic or boottime"},
+      {"camera.format = JPEG2", "any, or four characters, as GREY, YUYV or MJPG"},
+      {"camera.range = wide", "driver, full or limited"},
       {"camera.stamp = mid", "driver, exposure_start or frame_end"},
       {"camera.exposure_us = -1", "not a time, or too long a one"},
       {"camera.readout_us = 1e9", "not a time, or too long a one"},
+      {"trigger = gpio", "none, or pwm: and chip.channel, as pwm:1.0"},
+      {"trigger = pwm:1", "none, or pwm: and chip.channel, as pwm:1.0"},
+      {"trigger.rate_hz = 0", "not a rate from 1 to 200 Hz"},
+      {"trigger.width_us = 1e6", "not a time, or too long a one"},
+      {"camera.exposure = bright", "auto, camera, or 10 to 200000 microseconds"},
+      {"camera.exposure = 1", "auto, camera, or 10 to 200000 microseconds"},
+      {"camera.gain = 0.5", "auto, or a factor from 1 to 64"},
+      {"camera.gain_one = -1", "not a code from 0 to 65535"},
+      {"camera.control_delay = 2.5", "not a number of images from 0 to 8"},
       {"camera.pair_ms = soon", "not a time, or too long a one"},
       {"imu.rate_hz = 5", "not a rate from 20 to 8000 Hz"},
       {"output.text = yes", "poses, frames or none"},
@@ -77,6 +116,8 @@ TEST(Settings, EachBrokenLineIsNamed) {
       {"output.poses = 192.168.7.2:0", "not an address and a port, as 192.168.7.2:14550"},
       {"output.poses = 1.2.3.4:5:6", "not an address and a port, as 192.168.7.2:14550"},
       {"output.poses = 1.2.3.4.5", "not an address and a port, as 192.168.7.2:14550"},
+      {"usb.sise = 640 480", "no such key"},
+      {"usb.video = both", "left, right or none"},
       {"realtime = maybe", "yes or no"},
       {"record = " + std::string(96, 'x'), "longer than 95 bytes"},
       {"parameter.no.such = 1", "no such parameter"},
@@ -94,6 +135,17 @@ TEST(Settings, EachBrokenLineIsNamed) {
     EXPECT_STREQ(fault.what, broken.what) << broken.line;
   }
   Settings out;
+  EXPECT_STREQ(set_setting(out, "camera.left", "isp:2"), "an ISP is isp:0 or isp:1");
+  ASSERT_EQ(set_setting(out, "camera.left", "isp:1"), nullptr);
+  EXPECT_EQ(isp_of(out.camera[0]), 1);
+  EXPECT_EQ(isp_of(out.camera[1]), -1);
+  ASSERT_EQ(set_setting(out, "trigger", "none"), nullptr);
+  finish_settings(out);
+  EXPECT_EQ(out.params.exposure.longest_s, ExposureParams{}.longest_s) << "nobody triggers here";
+  ASSERT_EQ(set_setting(out, "camera.exposure", "camera"), nullptr);
+  EXPECT_EQ(out.params.exposure.automatic, 0);
+  ASSERT_EQ(set_setting(out, "camera.exposure", "auto"), nullptr);
+  EXPECT_EQ(out.params.exposure.automatic, 1);
   EXPECT_STREQ(set_setting(out, "imu", "/dev/iio:device0"),
                "an IMU is iio: and its number or name");
 }

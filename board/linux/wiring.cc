@@ -3,14 +3,22 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/tick.h"
 #include "bsp/linux/events.h"
+#include "bsp/linux/i2c_dev.h"
+#include "bsp/linux/pwm_trigger.h"
 
 namespace pirvs {
 namespace {
 
 bsp::V4l2Stereo stereo;
-bsp::IioImu imu;
+bsp::IioImu iio;
+bsp::I2cImu i2c_imu;
+bsp::I2cDev i2c;
+Status i2c_answer = Status::kStale;  // of the one transfer under way
+bool imu_is_on_i2c = false;
+bsp::PwmTrigger trigger;
 TimeNs next_tick = 0;
 int door_core = 0;
+void (*frame_taken)(const StereoFrame&) = nullptr;
 
 // One descriptor that may end the wait of the door's core.
 class Waited {
@@ -30,15 +38,30 @@ Waited camera_waited[kCamerasMax], imu_waited;
 
 void board::wire_sensors(const SensorSetup& setup) {
   door_core = setup.core;
+  frame_taken = setup.frame_taken;
   stereo.configure(setup.stereo, setup.news);
-  imu.configure(setup.imu, setup.news);
+  imu_is_on_i2c = setup.imu_is_on_i2c;
+  if (imu_is_on_i2c) {
+    i2c_imu.configure(setup.i2c_imu, setup.news);
+  } else {
+    iio.configure(setup.iio, setup.news);
+  }
+}
+
+const char* board::start_trigger(const TriggerSetup& setup) {
+  if (setup.pwm_chip < 0) return nullptr;
+  trigger.configure(setup.pwm_chip, setup.pwm_channel);
+  return bsp::trigger_start(0, setup.timing).ok() ? nullptr : trigger.why();
 }
 
 void board::unwire_sensors() {
+  (void)trigger.stop();
   for (Waited& waited : camera_waited) waited.set(-1);
   imu_waited.set(-1);
   stereo.close();
-  imu.close();
+  i2c_imu.close();
+  iio.close();
+  i2c.close();
 }
 
 void board::for_each_sensor_counter(VisitCounter visit) {
@@ -49,25 +72,45 @@ void board::for_each_sensor_counter(VisitCounter visit) {
   }
   for_each_counter(stereo.counters(), bsp::kStereoCounterRows,
                    [&](const char* name, uint32_t value) { visit("cameras", name, value); });
-  for_each_counter(imu.counters(), bsp::kIioCounterRows,
-                   [&](const char* name, uint32_t value) { visit("imu", name, value); });
+  const auto of_imu = [&](const char* name, uint32_t value) { visit("imu", name, value); };
+  if (imu_is_on_i2c) {
+    for_each_counter(i2c_imu.counters(), bsp::kI2cImuCounterRows, of_imu);
+  } else {
+    for_each_counter(iio.counters(), bsp::kIioCounterRows, of_imu);
+  }
 }
 
 namespace bsp {
 
 Status imu_poll(ImuSample& out) {
-  const Status status = imu.poll(out);
-  imu_waited.set(status == Status::kEmpty ? imu.fd() : -1);
+  const Status status = imu_is_on_i2c ? i2c_imu.poll(out) : iio.poll(out);
+  const int fd = imu_is_on_i2c ? i2c_imu.fd() : iio.fd();
+  imu_waited.set(status == Status::kEmpty ? fd : -1);
   return status;
 }
 
-Status imu_temperature(float&) { return Status::kNotFound; }
+Status imu_temperature(float& degrees_C) {
+  return imu_is_on_i2c ? i2c_imu.temperature(degrees_C) : Status::kNotFound;
+}
+
+// The IMU's thread alone asks. A transfer sleeps, and is done when it has started.
+Status i2c_start(int bus, const I2cTransfer& transfer) {
+  i2c_answer = i2c.transfer(bus, transfer);
+  return Status::kOk;
+}
+
+Status i2c_poll(int) {
+  const Status answer = i2c_answer;
+  i2c_answer = Status::kStale;
+  return answer;
+}
 
 Status camera_poll(StereoFrame& out) {
   const Status status = stereo.poll(out);
   for (int c = 0; c < kCamerasMax; ++c) {
     camera_waited[c].set(status == Status::kEmpty ? stereo.fd_to_wait_for(c) : -1);
   }
+  if (status == Status::kOk && frame_taken != nullptr) frame_taken(out);
   return status;
 }
 
@@ -75,7 +118,16 @@ void camera_retain(FrameId id) { stereo.retain(id); }
 
 void camera_release(FrameId id) { stereo.release(id); }
 
-Status camera_control(const CameraControl&) { return Status::kNotFound; }
+Result<CameraRange> camera_range() { return stereo.range(); }
+
+Status camera_control(const CameraControl& control) { return stereo.control(control); }
+
+Result<TriggerStart> trigger_start(int output, const TriggerTiming& timing) {
+  if (output != 0) return Status::kNotFound;
+  return trigger.start(timing);
+}
+
+Status trigger_stop(int output) { return output == 0 ? trigger.stop() : Status::kNotFound; }
 
 Status tick_poll(TimeNs& out) {
   const TimeNs t = now();

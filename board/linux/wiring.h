@@ -1,5 +1,5 @@
-// The sensors of a board under Linux: cameras by V4L2, the IMU by IIO, time by CLOCK_MONOTONIC.
-// bsp/api/camera.h, imu.h and tick.h answer for them.
+// The sensors of a board under Linux: cameras by V4L2, the IMU by IIO or as a chip on I2C, time by
+// CLOCK_MONOTONIC. bsp/api/camera.h, imu.h, i2c.h and tick.h answer for them.
 // In      wire_sensors(): before they are polled, from the core that polls them; unwire_sensors():
 //         after the last frame is back.
 // Out     A device that has something ends the wait of that core, but only while it is asked for:
@@ -8,19 +8,33 @@
 // Source  docs/adr/0010-a-live-board-under-linux.md.
 #pragma once
 
+#include "bsp/api/trigger.h"
+#include "bsp/linux/i2c_imu.h"
 #include "bsp/linux/iio.h"
 #include "bsp/linux/v4l2_stereo.h"
 
 namespace pirvs::board {
 
+// Who drives the cameras. As output 0 of bsp/api/trigger.h.
+struct TriggerSetup {
+  int pwm_chip = -1, pwm_channel = 0;  // -1: nobody here
+  bsp::TriggerTiming timing = {50'000'000, 1'000'000, 0, false};
+};
+
 struct SensorSetup {
   bsp::V4l2StereoSetup stereo;
-  bsp::IioSetup imu;
+  bsp::IioSetup iio;
+  bool imu_is_on_i2c = false;
+  bsp::I2cImuSetup i2c_imu;
   bsp::DeviceNews news;
   int core = 0;
+  // Each frame as soon as it is there, on `core`, which may look at its images until it returns.
+  void (*frame_taken)(const StereoFrame&) = nullptr;
 };
 
 void wire_sensors(const SensorSetup& setup);
+// nullptr, or what is wrong. unwire_sensors() stops it.
+const char* start_trigger(const TriggerSetup& setup);
 void unwire_sensors();
 
 // Counters of the drivers by name, `camera.left.lost` and so on.

@@ -11,7 +11,8 @@
 //         kBadData: the device's fault, and out is undefined. While kFramesLentMax frames are held
 //         a live camera loses what comes; a replay waits. A frame that is not held, retained or
 //         released, is a bug and asserts.
-//         camera_control: kNotFound: these cameras cannot be told. kBadData: out of their range.
+//         camera_range, camera_control: kNotFound: these cameras cannot be told. kEmpty: there is
+//         none now, ask again later. camera_control: kBadData: out of their range.
 // Cost    No copy; a poll never waits. retain, release: ~10 ns, but for the last release, which may
 //         cost a system call.
 // Source  docs/architecture.md; V4L2 streaming I/O, buffers that are dequeued and queued again.
@@ -53,6 +54,12 @@ struct CameraControl {
   float gain = 0;
 };
 
+// What all of these cameras can be told.
+struct CameraRange {
+  TimeNs exposure_ns_min = 0, exposure_ns_max = 0, exposure_ns_step = 0;
+  float gain_min = 1, gain_max = 1, gain_step = 0;  // 1 to 1: exposure alone
+};
+
 namespace bsp {
 
 // A backend can lend at least so many at a time, besides those that it is filling.
@@ -63,6 +70,7 @@ inline constexpr int kFramesLentMax = 1     // in the sensor door, until the IMU
 Status camera_poll(StereoFrame& out);
 void camera_retain(FrameId id);
 void camera_release(FrameId id);
+Result<CameraRange> camera_range();
 Status camera_control(const CameraControl& control);
 
 }  // namespace bsp

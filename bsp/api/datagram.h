@@ -1,7 +1,9 @@
 // Datagrams to and from other programs and computers: poses out, commands in. Each arrives whole or
 // not at all, perhaps twice, and in any order.
-// In      datagram_open: the port to receive on, 0 for any free one; who may send to it: programs
-//         of this machine alone (loopback, the default), or everybody. Each socket from one core.
+// In      datagram_open: the address to receive at, which also says from where: programs of this
+//         machine alone (loopback, the default), the network of one interface (its address, which
+//         need not be there yet), or everybody (kAnyAddress); the port, 0 for any free one. Each
+//         socket from one core.
 // Out     datagram_send: handed to the network. datagram_receive: the oldest one waiting, its size
 //         and where it came from. datagram_port: the port that the socket got.
 // Errors  open: kFull (too many sockets), kBusFault (port taken, or not ours to take), kNotFound
@@ -31,9 +33,9 @@ struct Socket {
   int id = -1;
 };
 
-enum class Reach : uint8_t { kThisMachine, kNetwork };
+inline constexpr uint32_t kAnyAddress = 0;
 
-Result<Socket> datagram_open(uint16_t port, Reach reach = Reach::kThisMachine);
+Result<Socket> datagram_open(Endpoint own);
 Result<uint16_t> datagram_port(Socket socket);
 Status datagram_send(Socket socket, Endpoint to, const void* data, size_t size);
 Status datagram_receive(Socket socket, void* data, size_t max, size_t& size, Endpoint& from);

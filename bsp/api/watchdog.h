@@ -1,7 +1,7 @@
 // Tells the machine that a core still comes round its schedule, and what it is about to do.
 // In      The name of the task that begins, a literal; nullptr when the core rests.
 // Out     Bare metal: a core that begins or rests nothing for kWatchdog_ns ends in a fault report
-//         with that name, and a restart. Linux: nothing, a debugger is at hand.
+//         with that name, and a restart. Linux: bsp/linux/watchdog.h tells which task hangs.
 // Errors  none.
 // Cost    One clock reading and two stores.
 // Source  STYLE principle 2: a step runs to completion and is small.

@@ -7,6 +7,7 @@
 #include <atomic>
 
 #include "bsp/api/cores.h"
+#include "bsp/linux/watchdog.h"
 #include "core/base/assert.h"
 
 namespace pirvs::bsp {
@@ -52,6 +53,7 @@ void* run(void* core_pointer) {
   const Core& core = *static_cast<Core*>(core_pointer);
   if (core.has_setup) apply(core.setup);
   core.entry(core.argument);
+  watchdog_forget();
   return nullptr;
 }
 

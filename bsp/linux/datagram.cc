@@ -46,15 +46,15 @@ Status status_of_errno() {
 
 int datagram_fd(Socket socket) { return fd_of(socket); }
 
-Result<Socket> datagram_open(uint16_t port, Reach reach) {
+Result<Socket> datagram_open(Endpoint own) {
   int id = 0;
   while (id < kSocketsMax && fd_plus_1[id] != 0) ++id;
   if (id == kSocketsMax) return Status::kFull;
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return status_of_errno();
-  Endpoint own;
-  own.port = port;
-  if (reach == Reach::kNetwork) own.address = INADDR_ANY;
+  // A USB link's address comes with its cable.
+  const int yes = 1;
+  (void)setsockopt(fd, IPPROTO_IP, IP_FREEBIND, &yes, sizeof yes);
   const sockaddr_in address = posix(own);
   if (bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     const Status status = status_of_errno();

@@ -144,7 +144,7 @@ TEST(LinuxEvents, ADescriptorEndsTheWait) {
 }
 
 TEST(LinuxDatagrams, ArriveWholeWithTheirSender) {
-  const Socket a = datagram_open(0).value(), b = datagram_open(0).value();
+  const Socket a = datagram_open({}).value(), b = datagram_open({}).value();
   const Endpoint to_b = {Endpoint{}.address, datagram_port(b).value()};
   char text[32];
   size_t size = 0;
@@ -165,7 +165,7 @@ TEST(LinuxDatagrams, ArriveWholeWithTheirSender) {
 }
 
 TEST(LinuxDatagrams, EndTheWaitOfTheirReader) {
-  const Socket a = datagram_open(0).value(), b = datagram_open(0).value();
+  const Socket a = datagram_open({}).value(), b = datagram_open({}).value();
   ASSERT_EQ(watch_fd(3, datagram_fd(b)), Status::kOk);
   ASSERT_EQ(datagram_send(a, {Endpoint{}.address, datagram_port(b).value()}, "x", 1), Status::kOk);
   wait(3, now() + 3'600'000'000'000);
@@ -175,13 +175,15 @@ TEST(LinuxDatagrams, EndTheWaitOfTheirReader) {
 }
 
 TEST(LinuxDatagrams, RefuseWhatCannotBe) {
-  const Socket a = datagram_open(0).value();
-  EXPECT_EQ(datagram_open(datagram_port(a).value()).status(), Status::kBusFault) << "taken";
+  const Socket a = datagram_open({}).value();
+  EXPECT_EQ(datagram_open({Endpoint{}.address, datagram_port(a).value()}).status(),
+            Status::kBusFault)
+      << "taken";
   static const char long_text[kDatagramMax + 1] = {};
   EXPECT_EQ(datagram_send(a, {}, long_text, sizeof long_text), Status::kBadData);
   Socket others[kSocketsMax - 1];
-  for (Socket& other : others) other = datagram_open(0).value();
-  EXPECT_EQ(datagram_open(0).status(), Status::kFull);
+  for (Socket& other : others) other = datagram_open({}).value();
+  EXPECT_EQ(datagram_open({}).status(), Status::kFull);
   for (const Socket& other : others) datagram_close(other);
   datagram_close(a);
   EXPECT_DEATH(datagram_close(a), "bug");

@@ -5,12 +5,14 @@
 #pragma once
 
 #include <errno.h>
+#include <linux/v4l2-subdev.h>
 #include <linux/videodev2.h>
 
 #include <algorithm>
 #include <cstdlib>
 #include <cstring>
 #include <deque>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -30,25 +32,44 @@ struct Shot {
   size_t cut = 0;  // bytes that are missing at its end
 };
 
+// A control of a camera, or of its sensor.
+struct FakeControl {
+  int32_t min = 0, max = 0, now = 0, step = 1;
+  uint32_t flags = 0;
+};
+
 struct FakeCamera {
   int open_error = 0;
   bool plugged = true, streaming = false;
   uint32_t format = V4L2_PIX_FMT_GREY, buffers_granted = 32;
   int bytes_per_pixel = 1;
-  int32_t exposure = -1;  // 100 us; -1: no such control
+  uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
+  std::map<uint32_t, FakeControl> controls;
+  int64_t pixel_rate = 0;
+  uint32_t sensor_width = 0;  // of its subdev
+  int times_set = 0;
   bool has_frame_sync = false;
   std::vector<std::vector<uint8_t>> memory;
   std::deque<uint32_t> queued;
   std::deque<v4l2_buffer> done;
   std::deque<v4l2_event> events;
+  void has_exposure(int32_t units_of_100_us) {
+    controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 5000, units_of_100_us};
+  }
   uint32_t without_buffer = 0;  // shots that no buffer was there for
 
   size_t size() const { return kBytes * size_t(bytes_per_pixel); }
+  // Whose every byte is the grey.
+  bool is_plain() const {
+    return format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_SGBRG8 ||
+           format == V4L2_PIX_FMT_RGB24 || format == V4L2_PIX_FMT_MJPEG;
+  }
   // One grey all over, in any format; colour and lower bits are noise.
   void fill(std::vector<uint8_t>& to, uint8_t grey) const {
     for (size_t i = 0; i < to.size(); ++i) to[i] = uint8_t(i * 37);
     for (size_t i = 0; i < kBytes; ++i) {
       uint8_t* const pixel = &to[i * size_t(bytes_per_pixel)];
+      for (int k = 0; k < bytes_per_pixel && is_plain(); ++k) pixel[k] = grey;
       if (format == V4L2_PIX_FMT_GREY || format == V4L2_PIX_FMT_YUYV) pixel[0] = grey;
       if (format == V4L2_PIX_FMT_UYVY || format == V4L2_PIX_FMT_Y16) pixel[1] = grey;
       if (format == V4L2_PIX_FMT_Y10) pixel[0] = uint8_t(grey << 2 | 3);
@@ -88,9 +109,46 @@ struct FakeKernel {
 };
 inline FakeKernel kernel;  // anew for each test
 
+// A camera's video node is 100, 101; its sensor's subdev, which has the same controls, 200, 201.
+inline constexpr int kSensorFds = 200;
+
 inline int failed(int error) {
   errno = error;
   return -1;
+}
+
+inline int query_control(const FakeCamera& camera, v4l2_queryctrl& query) {
+  const auto found = camera.controls.find(query.id);
+  if (found == camera.controls.end()) return failed(EINVAL);
+  const FakeControl& control = found->second;
+  query.minimum = control.min;
+  query.maximum = control.max;
+  query.step = control.step;
+  query.flags = control.flags;
+  return 0;
+}
+
+inline int get_control(const FakeCamera& camera, v4l2_control& out) {
+  const auto found = camera.controls.find(out.id);
+  if (found == camera.controls.end()) return failed(EINVAL);
+  out.value = found->second.now;
+  return 0;
+}
+
+inline int set_control(FakeCamera& camera, const v4l2_control& wanted) {
+  const auto found = camera.controls.find(wanted.id);
+  if (found == camera.controls.end()) return failed(EINVAL);
+  const FakeControl& control = found->second;
+  if (wanted.value < control.min || wanted.value > control.max) return failed(ERANGE);
+  found->second.now = wanted.value;
+  ++camera.times_set;
+  return 0;
+}
+
+inline int get_pixel_rate(const FakeCamera& camera, v4l2_ext_controls& several) {
+  if (camera.pixel_rate == 0 || several.controls->id != V4L2_CID_PIXEL_RATE) return failed(EINVAL);
+  several.controls->value64 = camera.pixel_rate;
+  return 0;
 }
 
 inline int fake_open(const char* path) {
@@ -98,10 +156,11 @@ inline int fake_open(const char* path) {
   FakeCamera& camera = kernel.cameras[c];
   if (!camera.plugged) return failed(ENOENT);
   if (camera.open_error != 0) return failed(camera.open_error);
-  return 100 + c;
+  return (std::strstr(path, "subdev") != nullptr ? kSensorFds : 100) + c;
 }
 
 inline int fake_close(int fd) {
+  if (fd >= kSensorFds) return 0;
   FakeCamera& camera = kernel.cameras[fd - 100];
   camera.streaming = false;
   camera.queued.clear();
@@ -122,6 +181,7 @@ inline int set_format(const FakeCamera& camera, v4l2_pix_format& pix) {
   pix.height = kHeight;
   pix.pixelformat = camera.format;
   pix.bytesperline = uint32_t(kWidth * camera.bytes_per_pixel);
+  pix.quantization = camera.quantization;
   return 0;
 }
 
@@ -132,7 +192,7 @@ inline int grant(FakeCamera& camera, v4l2_requestbuffers& request) {
 }
 
 inline int fake_ioctl(int fd, unsigned long request, void* argument) {
-  FakeCamera& camera = kernel.cameras[fd - 100];
+  FakeCamera& camera = kernel.cameras[fd % 100];
   if (!camera.plugged) return failed(ENODEV);
   switch (request) {
     case VIDIOC_QUERYCAP:
@@ -161,9 +221,17 @@ inline int fake_ioctl(int fd, unsigned long request, void* argument) {
       return camera.has_frame_sync ? 0 : failed(EINVAL);
     case VIDIOC_DQEVENT:
       return take(camera.events, argument, ENOENT);
+    case VIDIOC_QUERYCTRL:
+      return query_control(camera, *static_cast<v4l2_queryctrl*>(argument));
     case VIDIOC_G_CTRL:
-      static_cast<v4l2_control*>(argument)->value = camera.exposure;
-      return camera.exposure >= 0 ? 0 : failed(EINVAL);
+      return get_control(camera, *static_cast<v4l2_control*>(argument));
+    case VIDIOC_S_CTRL:
+      return set_control(camera, *static_cast<v4l2_control*>(argument));
+    case VIDIOC_G_EXT_CTRLS:
+      return get_pixel_rate(camera, *static_cast<v4l2_ext_controls*>(argument));
+    case VIDIOC_SUBDEV_G_FMT:
+      static_cast<v4l2_subdev_format*>(argument)->format.width = camera.sensor_width;
+      return camera.sensor_width > 0 ? 0 : failed(ENOTTY);
     default:
       return failed(ENOTTY);
   }

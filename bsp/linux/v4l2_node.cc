@@ -7,24 +7,10 @@
 #include <algorithm>
 
 #include "bsp/api/clock.h"
-#include "core/kernels/grey/grey.h"
 
 namespace pirvs::bsp {
 
-struct PixelFormat {
-  uint32_t code;
-  int bytes;  // of a pixel
-  int first;  // of the bytes that say its grey
-  int shift;  // of grey in words; -1: pairs, the luma is a byte
-};
-
 namespace {
-
-// In the order in which they are asked for.
-constexpr PixelFormat kFormats[] = {
-    {V4L2_PIX_FMT_GREY, 1, 0, 0}, {V4L2_PIX_FMT_YUYV, 2, 0, -1}, {V4L2_PIX_FMT_UYVY, 2, 1, -1},
-    {V4L2_PIX_FMT_Y10, 2, 0, 2},  {V4L2_PIX_FMT_Y12, 2, 0, 4},   {V4L2_PIX_FMT_Y16, 2, 0, 8},
-};
 
 constexpr TimeNs kSecond_ns = 1'000'000'000;
 
@@ -79,8 +65,19 @@ Status V4l2Node::look_for_camera() {
   return Status::kOk;
 }
 
+const char* V4l2Node::set_up_stages() {
+  setup_.media.width = setup_.width;
+  setup_.media.height = setup_.height;
+  if (!set_up_media(setup_.media, *calls_, nodes_, stage_fault_)) return stage_fault_.c_str();
+  setup_.event_path = nodes_.events;
+  setup_.controls.sensor = nodes_.sensor;
+  return nullptr;
+}
+
 const char* V4l2Node::open_camera() {
-  fd_ = calls_->open(setup_.path);
+  const bool by_table = setup_.media.table != nullptr;
+  if (const char* const why = by_table ? set_up_stages() : nullptr) return why;
+  fd_ = calls_->open(by_table ? nodes_.video : setup_.path);
   if (fd_ < 0) return why_not_open();
   if (const char* const why = set_format()) return why;
   if (const char* const why = map_buffers()) return why;
@@ -94,7 +91,9 @@ const char* V4l2Node::set_format() {
   const uint32_t can =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
   if ((can & kNeeded) != kNeeded) return "not a camera that streams by V4L2";
-  for (const PixelFormat& wanted : kFormats) {
+  for (const PixelFormat& wanted : pixel_formats()) {
+    if (setup_.format != 0 && wanted.code != setup_.format) continue;
+    if (wanted.is_jpeg() && setup_.jpeg == nullptr) continue;
     v4l2_format format{};
     format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
     v4l2_pix_format& pix = format.fmt.pix;
@@ -112,10 +111,13 @@ const char* V4l2Node::set_format() {
                           pix.pixelformat == wanted.code;
     if (!as_asked) continue;
     format_ = &wanted;
-    stride_ = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
-    return wanted.bytes == 1 ? nullptr : map_grey();
+    const int stride = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
+    stride_ = wanted.is_jpeg() ? 0 : stride;
+    limited_ = setup_.range == GreyRange::kDriver ? pix.quantization == V4L2_QUANTIZATION_LIM_RANGE
+                                                  : setup_.range == GreyRange::kLimited;
+    return lends_as_it_is() ? nullptr : map_grey();
   }
-  return "the camera cannot give the calibration's size as grey or YUYV";
+  return "the camera cannot give the calibration's size in a format that can be made grey";
 }
 
 // Once: a camera that comes back uses it again.
@@ -151,9 +153,10 @@ const char* V4l2Node::start() {
   for (int i = 0; i < buffer_count_; ++i) {
     if (!queue(i)) return "the camera refuses its buffers";
   }
-  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
-  has_exposure_control_ =
-      setup_.exposure_ns == 0 && calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0;
+  controls_.open(fd_, setup_.width, setup_.controls, *calls_);
+  exposure_at_ = 0;
+  for (ExposedFrom& exposure : exposures_) exposure = {0, controls_.exposure_ns()};
+  if (controlled_) tell_controls();
   event_fd_ = setup_.event_path[0] != 0 ? calls_->open(setup_.event_path) : fd_;
   v4l2_event_subscription events{};
   events.type = V4L2_EVENT_FRAME_SYNC;
@@ -173,6 +176,7 @@ V4l2Node::~V4l2Node() {
 }
 
 void V4l2Node::close() {
+  controls_.close();
   if (event_fd_ >= 0 && event_fd_ != fd_) calls_->close(event_fd_);
   if (fd_ >= 0) calls_->close(fd_);
   fd_ = event_fd_ = -1;
@@ -244,13 +248,42 @@ bool V4l2Node::find_frame_sync(uint32_t sequence, TimeNs& t) const {
   return false;
 }
 
-TimeNs V4l2Node::exposure() {
-  constexpr TimeNs kUnit_ns = 100'000;  // of the control
+// Images from this one on are exposed as the control says now.
+void V4l2Node::note_exposure(uint32_t sequence) {
+  exposures_[exposure_at_] = {sequence, controls_.exposure_ns()};
+  exposure_at_ = (exposure_at_ + 1) % kExposures;
+}
+
+void V4l2Node::tell_controls() {
+  if (!controls_.takes_exposure()) return;
+  if (!controls_.set(control_)) ++counters_.control_refused;
+  const bool running = has_sequence_;
+  note_exposure(running ? sequence_ + static_cast<uint32_t>(setup_.control_delay) : 0);
+}
+
+void V4l2Node::control(const CameraControl& control) {
+  control_ = control;
+  controlled_ = true;
+  if (is_open()) tell_controls();
+}
+
+// Of the image that is taken. What another program sets is true as soon as it is seen.
+TimeNs V4l2Node::exposure(uint32_t sequence) {
   if (setup_.exposure_ns != 0) return setup_.exposure_ns;
-  if (!has_exposure_control_) return 0;
-  v4l2_control control{V4L2_CID_EXPOSURE_ABSOLUTE, 0};
-  if (calls_->ioctl(fd_, VIDIOC_G_CTRL, &control) == 0) exposure_ns_ = control.value * kUnit_ns;
-  return exposure_ns_;
+  if (!controls_.takes_exposure()) return 0;
+  if (!controls_.look()) {
+    note_exposure(sequence);
+    const bool ours = controlled_ && control_.exposure_ns != 0;
+    if (ours) {
+      ++counters_.exposure_changed;
+      tell_controls();
+    }
+  }
+  for (int i = 1; i <= kExposures; ++i) {
+    const ExposedFrom& from = exposures_[(exposure_at_ + kExposures - i) % kExposures];
+    if (static_cast<int32_t>(sequence - from.sequence) >= 0) return from.exposure_ns;
+  }
+  return controls_.exposure_ns();
 }
 
 TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
@@ -277,18 +310,13 @@ TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
 
 // ---- images ------------------------------------------------------------------------------------
 
-// The image of a buffer, which is made grey if it is not.
-const uint8_t* V4l2Node::grey_of(int buffer) {
-  const uint8_t* const data = buffers_[buffer].data;
-  if (format_->bytes == 1) return data;
-  const RawImage raw = {data + format_->first, stride_, setup_.width, setup_.height};
-  uint8_t* const out = grey_ + grey_bytes() / kBuffers * static_cast<size_t>(buffer);
-  if (format_->shift < 0) {
-    grey_from_pairs(raw, out, setup_.width);
-  } else {
-    grey_from_words(raw, format_->shift, out, setup_.width);
-  }
-  return out;
+// The image of a buffer, which is made grey if it is not. nullptr: it is broken.
+const uint8_t* V4l2Node::grey_of(const v4l2_buffer& buffer) {
+  const uint8_t* const data = buffers_[buffer.index].data;
+  if (lends_as_it_is()) return data;
+  const RawBuffer raw = {data, buffer.bytesused, stride_, setup_.width, setup_.height, limited_};
+  uint8_t* const out = grey_ + grey_bytes() / kBuffers * size_t{buffer.index};
+  return make_grey(*format_, raw, setup_.jpeg, out) ? out : nullptr;
 }
 
 Status V4l2Node::take(V4l2Image& out) {
@@ -312,26 +340,23 @@ Status V4l2Node::take(V4l2Image& out) {
     if (has_sequence_ && step - 1 < UINT32_MAX / 2) counters_.lost += step - 1;
     sequence_ = buffer.sequence;
     has_sequence_ = true;
-    exposure_ns_ = exposure();
+    exposure_ns_ = exposure(buffer.sequence);
     const TimeNs t = mid_exposure(buffer, arrival);
     const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
-    const bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
-    const bool stale = t < started_t_;
+    bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
+    const bool stale = !damaged && t < started_t_;
+    const uint8_t* const grey = damaged || stale ? nullptr : grey_of(buffer);
+    damaged |= grey == nullptr && !stale;
     if (damaged) ++counters_.damaged;
-    if (!damaged && stale) ++counters_.stale;
-    if (damaged || stale) {
+    if (stale) ++counters_.stale;
+    if (grey == nullptr) {
       (void)queue(index);
       continue;
     }
     buffers_[index].lent = true;
     ++counters_.images;
-    out = {grey_of(index),
-           format_->bytes == 1 ? stride_ : setup_.width,
-           t,
-           arrival,
-           exposure_ns_,
-           buffer.sequence,
-           index};
+    const int stride = lends_as_it_is() ? stride_ : setup_.width;
+    out = {grey, stride, t, arrival, exposure_ns_, buffer.sequence, index};
     return Status::kOk;
   }
 }

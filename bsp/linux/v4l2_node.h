@@ -1,19 +1,22 @@
 // One camera by V4L2: its buffers mapped once, its images lent as they lie there, where they are
-// 8-bit grey. YUYV, UYVY and grey of 10, 12 or 16 bits are made 8-bit grey in memory of our own.
+// 8-bit grey. What else pixel_format.h knows is made 8-bit grey in memory of our own.
 // In      configure(), then take() and fd() from one core; give_back() from any.
 // Out     take(): the oldest image. t: the middle of its exposure on CLOCK_MONOTONIC, from what is
 //         known best: V4L2_EVENT_FRAME_SYNC of the same sequence (a frame begins to arrive when its
 //         exposure has ended), else the buffer's stamp by its source flag, else the arrival.
 //         sequence: the sensor's count; a step of more than one: images were lost.
 //         lost_before(): by that count, since the image before.
+//         exposure_ns: with which it was taken, by the control and the sensor's delay.
+//         control(): exposure and gain from now on, whenever the camera comes back, and again when
+//         another program has set them (exposure_changed).
 // Units   ns, pixels.
 // Errors  take: kEmpty: nothing now. kBusFault: there is no camera: missing, busy, no such format,
 //         or unplugged; DeviceNews says which, once, and every kRetry_ns it is looked for again.
-//         Images with V4L2_BUF_FLAG_ERROR, too short ones, and stale ones (stamped before the
-//         stream began) are counted and given back. A camera that is gone while images are lent
-//         keeps their memory until the last one is back.
-// Cost    A system call an image, another to queue its buffer again at the next take(). No copy of
-//         8-bit grey; of the others that of core/kernels/grey.
+//         Images with V4L2_BUF_FLAG_ERROR, too short ones, broken JPEGs, and stale ones (stamped
+//         before the stream began) are counted and given back. A camera that is gone while images
+//         are lent keeps their memory until the last one is back.
+// Cost    A system call an image, one to read its exposure, another to queue its buffer again at
+//         the next take(). No copy of 8-bit grey; of the others that of core/kernels/grey.
 // Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
 #pragma once
 
@@ -21,7 +24,10 @@
 
 #include "bsp/api/camera.h"
 #include "bsp/linux/device_news.h"
+#include "bsp/linux/media_graph.h"
+#include "bsp/linux/pixel_format.h"
 #include "bsp/linux/system_calls.h"
+#include "bsp/linux/v4l2_controls.h"
 #include "core/base/counter.h"
 
 struct v4l2_buffer;  // of <linux/videodev2.h>
@@ -32,17 +38,26 @@ enum class StampClock : uint8_t { kMonotonic, kBoottime };  // rkisp1 uses the l
 // What the buffer's stamp is the time of; kDriver: as its flags say.
 enum class StampMeans : uint8_t { kDriver, kExposureStart, kFrameEnd };
 
+// kDriver: full, unless the driver says limited.
+enum class GreyRange : uint8_t { kDriver, kFull, kLimited };
+
 struct V4l2Setup {
   const char* path = "";
+  // Instead of path (which then is its name for people), event_path and controls.sensor: the stages
+  // before its video node, set up whenever it is opened.
+  MediaRequest media;
   const char* event_path = "";  // of FRAME_SYNC where the video node has none: /dev/v4l-subdevN
   int width = 0, height = 0;
+  uint32_t format = 0;  // as V4L2 codes it; 0: the cheapest that the camera has
+  GreyRange range = GreyRange::kDriver;
+  JpegToGrey jpeg = nullptr;
   StampClock clock = StampClock::kMonotonic;
   StampMeans means = StampMeans::kDriver;
   TimeNs exposure_ns = 0;  // 0: as the camera's control says, if it has one
   TimeNs readout_ns = 0;   // from the end of exposure to the end of the frame
+  V4l2ControlSetup controls;
+  int control_delay = 2;  // images from a command to the first that it is true of
 };
-
-struct PixelFormat;  // one that can be made grey
 
 struct V4l2Image {
   const uint8_t* data = nullptr;
@@ -55,7 +70,8 @@ struct V4l2Image {
 };
 
 struct V4l2Counters {
-  Counter images, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged;
+  Counter images, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged,
+      exposure_changed, control_refused;
 };
 inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
     {"images", &V4l2Counters::images},
@@ -66,9 +82,12 @@ inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
     {"frame_sync_missed", &V4l2Counters::frame_sync_missed},
     {"opened", &V4l2Counters::opened},
     {"unplugged", &V4l2Counters::unplugged},
+    {"exposure_changed", &V4l2Counters::exposure_changed},  // by another program
+    {"control_refused", &V4l2Counters::control_refused},
 };
 static_assert(every_counter_is_in(kV4l2CounterRows));
 
+// Many methods: opening, streaming, stamping and telling of one node, a few lines each.
 class V4l2Node {
  public:
   static constexpr TimeNs kRetry_ns = 200'000'000;
@@ -84,6 +103,8 @@ class V4l2Node {
   Status take(V4l2Image& out);
   void give_back(int buffer) { returned_.fetch_or(1u << buffer, std::memory_order_release); }
   void close();
+  void control(const CameraControl& control);
+  const V4l2Controls& controls() const { return controls_; }
 
   bool is_open() const { return fd_ >= 0; }
   int fd() const { return fd_; }  // -1: none; it changes whenever the camera comes and goes
@@ -99,16 +120,22 @@ class V4l2Node {
     uint32_t sequence = 0;
     TimeNs t = 0;
   };
-  static constexpr int kSyncs = 8;
+  struct ExposedFrom {
+    uint32_t sequence = 0;
+    TimeNs exposure_ns = 0;
+  };
+  static constexpr int kSyncs = 8, kExposures = 8;
 
   Status look_for_camera();
   const char* open_camera();
+  const char* set_up_stages();
   const char* set_format();
   const char* map_grey();
   size_t grey_bytes() const {
     return size_t{kBuffers} * static_cast<size_t>(setup_.width * setup_.height);
   }
-  const uint8_t* grey_of(int buffer);
+  bool lends_as_it_is() const { return format_->is_grey() && !limited_; }
+  const uint8_t* grey_of(const ::v4l2_buffer& buffer);
   const char* map_buffers();
   const char* start();
   bool queue(int buffer);
@@ -118,21 +145,30 @@ class V4l2Node {
   void gone();
   void read_frame_syncs();
   bool find_frame_sync(uint32_t sequence, TimeNs& t) const;
-  TimeNs exposure();
+  void tell_controls();
+  void note_exposure(uint32_t sequence);
+  TimeNs exposure(uint32_t sequence);
   TimeNs mid_exposure(const ::v4l2_buffer& buffer, TimeNs arrival);
 
   V4l2Setup setup_;
+  MediaNodes nodes_;
+  Text<160> stage_fault_;
   const SystemCalls* calls_ = &kSystemCalls;
   DeviceTeller teller_;
   V4l2Counters counters_;
   int fd_ = -1, event_fd_ = -1;
   bool frame_sync_ = false;
-  bool has_exposure_control_ = false;
+  V4l2Controls controls_;
+  CameraControl control_;
+  bool controlled_ = false;
   const PixelFormat* format_ = nullptr;
-  int stride_ = 0;           // of the camera's buffers
+  bool limited_ = false;
+  int stride_ = 0;           // of the camera's buffers; 0: JPEG has none
   uint8_t* grey_ = nullptr;  // an image for each buffer, if the camera's are not grey
   TimeNs started_t_ = 0, retry_t_ = 0;
   TimeNs exposure_ns_ = 0;
+  ExposedFrom exposures_[kExposures];  // a ring, the newest at exposure_at_ - 1
+  int exposure_at_ = 0;
   bool has_sequence_ = false;
   uint32_t sequence_ = 0;
   Buffer buffers_[kBuffers];

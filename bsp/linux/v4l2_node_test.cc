@@ -52,10 +52,13 @@ TEST_F(V4l2NodeTest, LendsTheCamerasOwnMemory) {
 
 TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
   for (const uint32_t format :
-       {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y16}) {
+       {V4L2_PIX_FMT_YUYV, V4L2_PIX_FMT_UYVY, V4L2_PIX_FMT_Y10, V4L2_PIX_FMT_Y16, V4L2_PIX_FMT_NV12,
+        V4L2_PIX_FMT_SGBRG8, V4L2_PIX_FMT_RGB24}) {
     kernel = FakeKernel{};
     camera().format = format;
     camera().bytes_per_pixel = 2;
+    if (format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_SGBRG8) camera().bytes_per_pixel = 1;
+    if (format == V4L2_PIX_FMT_RGB24) camera().bytes_per_pixel = 3;
     V4l2Node node;
     node.configure(setup_of(0), kNews, kFake);
     V4l2Image images[2];
@@ -70,6 +73,56 @@ TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
       node.give_back(images[i].buffer);
     }
   }
+}
+
+TEST_F(V4l2NodeTest, TheRangeOfVideoIsStretchedWhereItIsToldOrSet) {
+  const struct {
+    uint32_t told;
+    GreyRange set;
+    int grey;  // of 126
+  } cases[] = {{V4L2_QUANTIZATION_DEFAULT, GreyRange::kDriver, 126},
+               {V4L2_QUANTIZATION_LIM_RANGE, GreyRange::kDriver, 128},
+               {V4L2_QUANTIZATION_LIM_RANGE, GreyRange::kFull, 126},
+               {V4L2_QUANTIZATION_FULL_RANGE, GreyRange::kLimited, 128}};
+  for (const auto& c : cases) {
+    for (const uint32_t format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_YUYV}) {
+      kernel = FakeKernel{};
+      camera().format = format;
+      camera().bytes_per_pixel = format == V4L2_PIX_FMT_GREY ? 1 : 2;
+      camera().quantization = c.told;
+      V4l2Setup setup = setup_of(0);
+      setup.range = c.set;
+      V4l2Node node;
+      node.configure(setup, kNews, kFake);
+      V4l2Image image;
+      ASSERT_EQ(node.take(image), Status::kEmpty);
+      camera().shoot({now(), 0, 126});
+      ASSERT_EQ(node.take(image), Status::kOk);
+      EXPECT_EQ(image.data[kBytes - 1], c.grey);
+      node.give_back(image.buffer);
+    }
+  }
+}
+
+TEST_F(V4l2NodeTest, ABrokenJpegIsCountedAndTheNextOneShown) {
+  camera().format = V4L2_PIX_FMT_MJPEG;
+  V4l2Setup setup = setup_of(0);
+  // One whose bytes are all 13 is broken.
+  setup.jpeg = [](const uint8_t* data, size_t size, int width, int height, uint8_t* out) {
+    if (data[0] == 13) return false;
+    EXPECT_EQ(size, kBytes - 7);
+    std::fill(out, out + width * height, data[0]);
+    return true;
+  };
+  start(setup);
+  Shot jpeg = {begin_ + kMs, 0, 13};
+  jpeg.cut = 7;
+  camera().shoot(jpeg);
+  jpeg.sequence = 1;
+  jpeg.grey = 80;
+  EXPECT_EQ(shot(jpeg).data[5], 80);
+  EXPECT_EQ(node_.counters().damaged, 1u);
+  EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers} - 1) << "it went back";
 }
 
 TEST_F(V4l2NodeTest, EveryKindOfStampBecomesTheMiddleOfTheExposure) {
@@ -91,7 +144,7 @@ TEST_F(V4l2NodeTest, EveryKindOfStampBecomesTheMiddleOfTheExposure) {
 
 TEST_F(V4l2NodeTest, AFrameSyncOfTheSameSequenceIsBetterThanAStamp) {
   camera().has_frame_sync = true;
-  camera().exposure = 60;  // 6 ms
+  camera().has_exposure(60);  // 6 ms
   start(setup_of(0));
   const TimeNs t = begin_ + 20 * kMs;
   camera().frame_sync(t - 16 * kMs, 8);
@@ -99,6 +152,112 @@ TEST_F(V4l2NodeTest, AFrameSyncOfTheSameSequenceIsBetterThanAStamp) {
   EXPECT_EQ(shot({t + 9 * kMs, 9}).t, t + 123 - 3 * kMs) << "exposure ends as the frame begins";
   EXPECT_EQ(shot({t + 50 * kMs, 10}).t, us(t + 50 * kMs) + 3 * kMs) << "no event: the stamp";
   EXPECT_EQ(node_.counters().frame_sync_missed, 1u);
+}
+
+TEST_F(V4l2NodeTest, TellsExposureAndGainInTheUnitsOfUvc) {
+  camera().has_exposure(60);
+  camera().controls[V4L2_CID_EXPOSURE_AUTO] = {0, 3, V4L2_EXPOSURE_APERTURE_PRIORITY};
+  camera().controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY] = {0, 1, 1};
+  camera().controls[V4L2_CID_GAIN] = {0, 255, 64};
+  V4l2Setup setup = setup_of(0);
+  setup.controls.gain_one = 32;
+  start(setup);
+  const CameraRange range = node_.controls().range();
+  EXPECT_EQ(range.exposure_ns_min, 100'000);
+  EXPECT_EQ(range.exposure_ns_max, 500 * kMs);
+  EXPECT_EQ(range.exposure_ns_step, 100'000);
+  EXPECT_EQ(range.gain_min, 1);
+  EXPECT_FLOAT_EQ(range.gain_max, 255 / 32.0f);
+  node_.control({7'360'000, 2.51f});
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_AUTO].now, V4L2_EXPOSURE_MANUAL);
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_AUTO_PRIORITY].now, 0);
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE].now, 74);
+  EXPECT_EQ(camera().controls[V4L2_CID_GAIN].now, 80);
+  node_.control({0, 0});
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_AUTO].now, V4L2_EXPOSURE_APERTURE_PRIORITY);
+  EXPECT_EQ(node_.counters().control_refused, 0u);
+}
+
+// 784 + 144 pixels at 46.4 MHz: 20 us a line.
+TEST_F(V4l2NodeTest, TellsASensorItsExposureInLines) {
+  camera().controls[V4L2_CID_EXPOSURE] = {4, 500, 200};
+  camera().controls[V4L2_CID_HBLANK] = {144, 144, 144, 1, V4L2_CTRL_FLAG_READ_ONLY};
+  camera().controls[V4L2_CID_ANALOGUE_GAIN] = {16, 248, 16};
+  camera().pixel_rate = 46'400'000;
+  camera().sensor_width = 784;
+  V4l2Setup setup = setup_of(0);
+  setup.controls.sensor = "/dev/v4l-subdev0";
+  start(setup);
+  EXPECT_EQ(shot({begin_ + kMs, 0}).exposure_ns, 4 * kMs) << "as it was found";
+  node_.control({3 * kMs, 1.5f});
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE].now, 150);
+  EXPECT_EQ(camera().controls[V4L2_CID_ANALOGUE_GAIN].now, 24);
+  EXPECT_FLOAT_EQ(node_.controls().range().gain_max, 15.5f);
+}
+
+TEST_F(V4l2NodeTest, WithoutAPixelRateOrAKnownGainThereIsNoControl) {
+  camera().controls[V4L2_CID_EXPOSURE] = {4, 500, 200};
+  start(setup_of(0));
+  EXPECT_FALSE(node_.controls().takes_exposure());
+  kernel = FakeKernel{};
+  camera().has_exposure(60);
+  camera().controls[V4L2_CID_GAIN] = {0, 255, 64};
+  V4l2Node node;
+  node.configure(setup_of(0), kNews, kFake);
+  V4l2Image none;
+  ASSERT_EQ(node.take(none), Status::kEmpty);
+  EXPECT_EQ(node.controls().range().gain_max, 1) << "nobody knows what the code does";
+  node.control({5 * kMs, 1});
+  EXPECT_EQ(camera().controls[V4L2_CID_GAIN].now, 64);
+}
+
+// Stamps need the exposure of the very image: a command is true two images later.
+TEST_F(V4l2NodeTest, AnImageSaysTheExposureItWasTakenWith) {
+  camera().has_exposure(60);
+  start(setup_of(0));
+  const TimeNs t = begin_ + 20 * kMs;
+  EXPECT_EQ(shot({t, 5}).exposure_ns, 6 * kMs);
+  node_.control({10 * kMs, 1});
+  EXPECT_EQ(shot({t + 50 * kMs, 6}).exposure_ns, 6 * kMs);
+  EXPECT_EQ(shot({t + 100 * kMs, 7}).t, us(t + 100 * kMs) + 5 * kMs);
+  EXPECT_EQ(node_.counters().exposure_changed, 0u);
+}
+
+TEST_F(V4l2NodeTest, AnotherProgramsExposureIsCountedAndSetAgain) {
+  camera().has_exposure(60);
+  camera().controls[V4L2_CID_GAIN] = {1, 16, 1};
+  start(setup_of(0));
+  (void)shot({begin_ + kMs, 0});
+  camera().has_exposure(50);
+  EXPECT_EQ(shot({begin_ + 2 * kMs, 1}).exposure_ns, 5 * kMs) << "nobody has told it anything";
+  EXPECT_EQ(node_.counters().exposure_changed, 0u);
+  node_.control({8 * kMs, 2});
+  camera().has_exposure(300);
+  EXPECT_EQ(shot({begin_ + 3 * kMs, 2}).exposure_ns, 30 * kMs);
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE].now, 80);
+  EXPECT_EQ(node_.counters().exposure_changed, 1u);
+  camera().controls[V4L2_CID_GAIN].now = 9;
+  for (uint32_t i = 3; i < 20; ++i) {
+    node_.give_back(shot({begin_ + TimeNs(i) * kMs, i}).buffer);
+  }
+  EXPECT_EQ(camera().controls[V4L2_CID_GAIN].now, 2);
+  EXPECT_EQ(node_.counters().exposure_changed, 2u);
+}
+
+TEST_F(V4l2NodeTest, ACameraThatComesBackIsToldAgain) {
+  camera().has_exposure(60);
+  start(setup_of(0));
+  node_.control({8 * kMs, 1});
+  camera().plugged = false;
+  V4l2Image none;
+  EXPECT_EQ(node_.take(none), Status::kBusFault);
+  camera().has_exposure(60);
+  node_.control({9 * kMs, 1});
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE].now, 60) << "it is not there";
+  camera().plugged = true;
+  const TimeNs begin = now();
+  while (!node_.is_open() && now() < begin + 3 * V4l2Node::kRetry_ns) (void)node_.take(none);
+  EXPECT_EQ(camera().controls[V4L2_CID_EXPOSURE_ABSOLUTE].now, 90);
 }
 
 TEST_F(V4l2NodeTest, GapsErrorsAndStaleImagesAreCounted) {
@@ -158,7 +317,7 @@ TEST_F(V4l2NodeTest, SaysOnceWhyThereIsNoCamera) {
       {"another program has the camera, waiting for it",
        [](FakeCamera& c) { c.open_error = EBUSY; }},
       {"no permission to use the camera", [](FakeCamera& c) { c.open_error = EACCES; }},
-      {"the camera cannot give the calibration's size as grey or YUYV",
+      {"the camera cannot give the calibration's size in a format that can be made grey",
        [](FakeCamera& c) { c.format = V4L2_PIX_FMT_MJPEG; }},
       {"the camera has no memory", [](FakeCamera& c) { c.buffers_granted = 3; }},
   };

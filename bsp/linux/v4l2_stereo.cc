@@ -31,6 +31,42 @@ void V4l2Stereo::close() {
   }
 }
 
+// What every camera that is there can do.
+Result<CameraRange> V4l2Stereo::range() const {
+  CameraRange out;
+  bool any = false;
+  for (int c = 0; c < setup_.cameras; ++c) {
+    if (!nodes_[c].is_open()) continue;
+    if (!nodes_[c].controls().takes_exposure()) return Status::kNotFound;
+    const CameraRange one = nodes_[c].controls().range();
+    if (!any) out = one;
+    any = true;
+    out.exposure_ns_min = std::max(out.exposure_ns_min, one.exposure_ns_min);
+    out.exposure_ns_max = std::min(out.exposure_ns_max, one.exposure_ns_max);
+    out.exposure_ns_step = std::max(out.exposure_ns_step, one.exposure_ns_step);
+    out.gain_min = std::max(out.gain_min, one.gain_min);
+    out.gain_max = std::min(out.gain_max, one.gain_max);
+    out.gain_step = std::max(out.gain_step, one.gain_step);
+  }
+  return any ? Result<CameraRange>(out) : Status::kEmpty;
+}
+
+Status V4l2Stereo::control(const CameraControl& control) {
+  const Result<CameraRange> possible = range();
+  if (possible.status() == Status::kNotFound) return Status::kNotFound;
+  if (possible.ok() && control.exposure_ns != 0) {
+    const CameraRange& r = possible.value();
+    const TimeNs e = control.exposure_ns;
+    const float g = control.gain, rounding = 1e-3f * r.gain_max;
+    const bool inside = e >= r.exposure_ns_min - r.exposure_ns_step &&
+                        e <= r.exposure_ns_max + r.exposure_ns_step && g >= r.gain_min - rounding &&
+                        g <= r.gain_max + rounding;
+    if (!inside) return Status::kBadData;
+  }
+  for (int c = 0; c < setup_.cameras; ++c) nodes_[c].control(control);
+  return Status::kOk;
+}
+
 void V4l2Stereo::release(FrameId id) {
   if (!lending_.release(id)) return;
   for (int c = 0; c < setup_.cameras; ++c) {

@@ -9,6 +9,8 @@
 //         lost_before: by the trigger count, pulses of which no image came out.
 // Errors  As camera_poll; kBusFault: no camera is there, as GoneDevice has it. One that is there
 //         alone gives frames with one image.
+//         range, control: as camera_range and camera_control. A camera that is not there now is
+//         told when it comes back.
 // Cost    No copy; the sum of its nodes.
 // Source  bsp/linux/v4l2_node.h; core/store/lending.h.
 #pragma once
@@ -50,6 +52,8 @@ class V4l2Stereo {
   void retain(FrameId id) { lending_.retain(id); }
   void release(FrameId id);
   void close();
+  Result<CameraRange> range() const;
+  Status control(const CameraControl& control);
 
   // What becomes readable when poll() may have more of this camera; -1: it need not be waited for.
   int fd_to_wait_for(int c) const { return heads_[c].here ? -1 : nodes_[c].fd(); }

@@ -196,6 +196,35 @@ TEST_F(V4l2StereoTest, FreeRunningCamerasArePairedByStampAndSayHowLate) {
   EXPECT_EQ(next().present, 1) << "half a period apart is no pair";
 }
 
+TEST_F(V4l2StereoTest, BothCamerasAreToldTheSameWithinWhatBothCan) {
+  kernel.cameras[0].has_exposure(60);
+  kernel.cameras[0].controls[V4L2_CID_ANALOGUE_GAIN] = {16, 160, 16};
+  kernel.cameras[1].has_exposure(10);
+  kernel.cameras[1].controls[V4L2_CID_EXPOSURE_ABSOLUTE].max = 100;
+  kernel.cameras[1].controls[V4L2_CID_ANALOGUE_GAIN] = {32, 128, 32};
+  EXPECT_EQ(stereo_.range().status(), Status::kEmpty) << "there is no camera yet";
+  start();
+  ASSERT_TRUE(stereo_.range().ok());
+  EXPECT_EQ(stereo_.range().value().exposure_ns_max, 10 * kMs);
+  EXPECT_EQ(stereo_.range().value().gain_max, 4);
+  EXPECT_EQ(stereo_.control({9 * kMs, 2}), Status::kOk);
+  for (FakeCamera& camera : kernel.cameras) {
+    EXPECT_EQ(camera.controls[V4L2_CID_EXPOSURE_ABSOLUTE].now, 90);
+  }
+  EXPECT_EQ(kernel.cameras[0].controls[V4L2_CID_ANALOGUE_GAIN].now, 32);
+  EXPECT_EQ(kernel.cameras[1].controls[V4L2_CID_ANALOGUE_GAIN].now, 64);
+  EXPECT_EQ(stereo_.control({11 * kMs, 2}), Status::kBadData);
+  EXPECT_EQ(stereo_.control({9 * kMs, 5}), Status::kBadData);
+}
+
+TEST_F(V4l2StereoTest, ACameraWithoutControlsKeepsBothFromBeingTold) {
+  kernel.cameras[0].has_exposure(60);
+  start();
+  EXPECT_EQ(stereo_.range().status(), Status::kNotFound);
+  EXPECT_EQ(stereo_.control({9 * kMs, 1}), Status::kNotFound);
+  EXPECT_EQ(kernel.cameras[0].times_set, 0);
+}
+
 TEST_F(V4l2StereoTest, OneCameraAloneIsAFrameOfItsOwn) {
   start(Pairing::kTrigger, 1);
   pulse(0, 1);

@@ -50,6 +50,9 @@ struct RecordingSource {
   // poll answers as it did then, and kEmpty until its turn has come.
   bool (*order)(void* context, RecordedArrival& out) = nullptr;
   void (*go_on)(void* context) = nullptr;
+  // Of cameras that can be told, as camera_range and camera_control; not given: kNotFound.
+  Result<CameraRange> (*range)(void* context) = nullptr;
+  Status (*control)(void* context, const CameraControl& control) = nullptr;
 };
 
 class Replay {
@@ -60,6 +63,13 @@ class Replay {
   Status poll(ImuSample& out);
   Status poll(StereoFrame& out);
   Status poll_tick(TimeNs& out);
+  Result<CameraRange> range() const {
+    return source_.range != nullptr ? source_.range(source_.context) : Status::kNotFound;
+  }
+  Status control(const CameraControl& control) const {
+    return source_.control != nullptr ? source_.control(source_.context, control)
+                                      : Status::kNotFound;
+  }
   // now() on the clock of the recording's stamps; kRealTime only, after the first poll.
   TimeNs sensor_now() const;
   void retain(FrameId id) { lending_.retain(id); }

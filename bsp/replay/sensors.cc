@@ -25,6 +25,8 @@ void camera_release(FrameId id) { replay.release(id); }
 
 Status tick_poll(TimeNs& out) { return replay.poll_tick(out); }
 
-Status camera_control(const CameraControl&) { return Status::kNotFound; }
+Result<CameraRange> camera_range() { return replay.range(); }
+
+Status camera_control(const CameraControl& control) { return replay.control(control); }
 
 }  // namespace pirvs::bsp

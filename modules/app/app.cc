@@ -103,8 +103,36 @@ Step App::door_step(TimeNs now) {
   return Step::kAgain;
 }
 
+// Only live: a recording's images are as they are. Failures are the cameras': the frame goes on.
+void App::control_exposure() {
+  if (!cameras_obey_ || params_.exposure.automatic == 0) return;
+  const Result<CameraRange> range = bsp::camera_range();
+  Status status = range.status();
+  ExposureSetting wanted;
+  if (range.ok()) {
+    const CameraRange& r = range.value();
+    exposure_.set_range({{to_seconds(r.exposure_ns_min), static_cast<double>(r.gain_min)},
+                         {to_seconds(r.exposure_ns_max), static_cast<double>(r.gain_max)},
+                         {to_seconds(r.exposure_ns_step), static_cast<double>(r.gain_step)}});
+    const StereoFrame& images = estimator_.frame().images;
+    const ImageInfo& info = images.info[(images.present & 1) != 0 ? 0 : 1];
+    ExposureFrame frame;
+    frame.t = images.t;
+    frame.images = images.image;
+    frame.count = kCamerasMax;
+    frame.taken = {to_seconds(info.exposure_ns), static_cast<double>(info.gain)};
+    if (!exposure_.frame(frame, wanted)) return;
+    status =
+        bsp::camera_control({from_seconds(wanted.exposure_s), static_cast<float>(wanted.gain)});
+  }
+  if (status != Status::kNotFound) return;
+  cameras_obey_ = false;
+  estimator_.tell_health(door_t_, "the cameras take no exposure and gain");
+}
+
 Step App::prepare_step() {
   const Step step = estimator_.wait_for_map();
+  if (step == Step::kAgain && live()) control_exposure();
   if (step == Step::kAgain && recorder_.started()) {
     recorder_.decision(door_t_, estimator_.tracker().mapped());
   }
@@ -124,6 +152,7 @@ void App::take(const DoorItem& item) {
       door_t_ = item.imu.t;
       if (item.broken) interrupt(item.imu.t, "input interrupted");
       output_.doubt_stamps(in_doubt);
+      exposure_.turn(item.imu.w_B.norm());
       estimator_.imu(item.imu, in_doubt);
       break;
     }
@@ -158,6 +187,7 @@ Status App::start(const CorePlan& plan, Drive drive) {
   PIRVS_ASSERT(drive == Drive::kTimed || plan.cores == 1);
   plan_ = plan;
   drive_ = drive;
+  exposure_.configure(params_.exposure, calibration_.camera[0].fx, 1.0 / plan.frames_hz);
   static constexpr Step (*kSteps[kTasks])(void*, TimeNs) = {
       [](void* a, TimeNs now) { return static_cast<App*>(a)->door_step(now); },
       [](void* a, TimeNs) { return static_cast<App*>(a)->prepare_step(); },

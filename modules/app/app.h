@@ -22,6 +22,7 @@
 #include "modules/calibration/calibration.h"
 #include "modules/door/door.h"
 #include "modules/door/inbox.h"
+#include "modules/exposure/auto_exposure.h"
 #include "modules/map/map_file.h"
 #include "modules/output/output.h"
 #include "modules/recorder/recorder.h"
@@ -86,6 +87,10 @@ class App {
   const Latency& latency() const { return output_.latency(); }  // from any core
 
   const Map& map() const { return estimator_.map(); }  // once finished
+  // The landmarks that tracking sees now, each once; the door's core. Returns the count.
+  int seen_points(SeenPoint* out, int max) const {
+    return estimator_.tracker().seen_points(out, max);
+  }
   // Every counter of rejections and faults, from any core, also while it runs; sizes of the static
   // pools in bytes. Return the count.
   int counters(NamedValue* out, int max) const;
@@ -106,6 +111,7 @@ class App {
   void interrupt(TimeNs t, const char* why);
   void end_when_done();
   void tell_late(TimeNs now);
+  void control_exposure();
   void check_clocks();
   bool command_step();
   Status execute(const Command& command);
@@ -124,6 +130,8 @@ class App {
   Output output_;
   Recorder recorder_;
   MapIndex map_index_;
+  AutoExposure exposure_;
+  bool cameras_obey_ = true;  // until they say that they cannot be told
 
   Inbox inbox_;
   ArrivalSource replayed_;

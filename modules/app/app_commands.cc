@@ -164,6 +164,9 @@ Status App::retune(const char* name, float value) {
       return Status::kBadData;
   }
   if (std::memcmp(&changed.door, &params_.door, sizeof changed.door) != 0) return Status::kStale;
+  const bool exposure =
+      std::memcmp(&changed.exposure, &params_.exposure, sizeof changed.exposure) != 0;
+  if (exposure) exposure_.retune(changed.exposure);
   params_ = changed;
   estimator_.retune(for_lens(params_, calibration_.camera[0]));
   return Status::kOk;

@@ -11,6 +11,7 @@
 
 #include "core/params/params.h"
 #include "modules/door/door_params.h"
+#include "modules/exposure/exposure_params.h"
 #include "modules/frontend/frontend_params.h"
 #include "modules/health/health_params.h"
 #include "modules/imu/imu_params.h"
@@ -29,6 +30,7 @@ struct AppParams {
   FrontendParams frontend;
   TrackingParams tracking;
   MappingParams mapping;
+  ExposureParams exposure;
 };
 
 // Calls visit(group, struct, rows) for every group.
@@ -44,6 +46,7 @@ constexpr void for_each_group(Params& p, Visit&& visit) {
   visit("standstill", p.tracking.standstill, kStandstillRows);
   visit("health", p.tracking.health, kHealthRows);
   visit("mapping", p.mapping, kMappingRows);
+  visit("exposure", p.exposure, kExposureRows);
 }
 
 constexpr size_t parameter_count() {

@@ -325,6 +325,92 @@ TEST_F(AppLife, SetsAParameterWhileItTracks) {
   EXPECT_EQ(counter(*app_, "starts"), 1u);
 }
 
+// A camera that says what it was told, and whose images stay as they are.
+struct Obedient {
+  Still still{60};
+  std::vector<CameraControl> told;
+  bool deaf = false;
+
+  bsp::RecordingSource source() {
+    bsp::RecordingSource out = still.source();
+    out.context = this;
+    out.next_imu = [](void* c, ImuSample& sample) { return self(c).next_imu(sample); };
+    out.next_frame = [](void* c, StereoFrame& frame) { return self(c).next_frame(frame); };
+    out.range = [](void*) -> Result<CameraRange> {
+      CameraRange range;
+      range.exposure_ns_min = 20'000;
+      range.exposure_ns_max = 30'000'000;
+      range.gain_max = 16;
+      return range;
+    };
+    out.control = [](void* c, const CameraControl& control) {
+      self(c).told.push_back(control);
+      return self(c).deaf ? Status::kNotFound : Status::kOk;
+    };
+    return out;
+  }
+  static Obedient& self(void* c) { return *static_cast<Obedient*>(c); }
+  bool next_imu(ImuSample& out) { return still.source().next_imu(&still, out); }
+  bool next_frame(StereoFrame& out) {
+    if (!still.source().next_frame(&still, out)) return false;
+    for (ImageInfo& info : out.info) {
+      if (!told.empty()) info = {told.back().exposure_ns, told.back().gain, 0};
+    }
+    return true;
+  }
+};
+
+TEST_F(AppLife, TellsLiveCamerasTheirExposure) {
+  Obedient cameras;
+  AppParams params;
+  params.exposure.mean_grey = 160;
+  params.exposure.highlights = 0;
+  app_->configure(Still::calibration(), params, log_.sinks());
+  bsp::play(cameras.source(), bsp::ReplayPace::kFast);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kTimed), Status::kOk);
+  while (app_->poll() != Status::kStale) {
+  }
+  (void)app_->finish();
+  ASSERT_GE(cameras.told.size(), 3u);
+  EXPECT_GT(cameras.told.back().gain, 1) << "the images stay dark, whatever is told";
+  EXPECT_EQ(
+      std::count(log_.health.begin(), log_.health.end(), "the cameras take no exposure and gain"),
+      0);
+}
+
+TEST_F(AppLife, SaysOnceThatCamerasTakeNoExposure) {
+  Obedient cameras;
+  cameras.deaf = true;
+  app_->configure(Still::calibration(), AppParams{}, log_.sinks());
+  bsp::play(cameras.source(), bsp::ReplayPace::kFast);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kTimed), Status::kOk);
+  while (app_->poll() != Status::kStale) {
+  }
+  (void)app_->finish();
+  EXPECT_EQ(cameras.told.size(), 1u);
+  EXPECT_EQ(
+      std::count(log_.health.begin(), log_.health.end(), "the cameras take no exposure and gain"),
+      1);
+}
+
+TEST_F(AppLife, AReplayOrWhoeverAsksForNoneLeavesExposureAlone) {
+  Obedient cameras;
+  play_fast(cameras.still);
+  bsp::play(cameras.source(), bsp::ReplayPace::kFast);
+  EXPECT_EQ(app_->run(kOneCore, Drive::kLockstep), Status::kOk);
+  EXPECT_TRUE(cameras.told.empty());
+  Obedient others;
+  AppParams params;
+  params.exposure.automatic = 0;
+  app_->configure(Still::calibration(), params, log_.sinks());
+  bsp::play(others.source(), bsp::ReplayPace::kFast);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kTimed), Status::kOk);
+  while (app_->poll() != Status::kStale) {
+  }
+  (void)app_->finish();
+  EXPECT_TRUE(others.told.empty());
+}
+
 TEST_F(AppLife, PutsThePoseWhereItIsTold) {
   Still still(60);
   play_fast(still);

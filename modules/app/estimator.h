@@ -39,6 +39,7 @@ class Estimator {
   void begin(const DoorFrame& frame);
   // Lets the frame go on to the front-ends once the map is there that it shall see.
   Step wait_for_map();
+  const DoorFrame& frame() const { return frame_; }  // the one in work
   Step tracking_step();
   void flush_report();
   // ---- on the door's core, while idle() and mapping_rests() ----

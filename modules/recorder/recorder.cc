@@ -139,12 +139,25 @@ void Recorder::check(Status status) {
                          : "recording stopped: it cannot be written; the run goes on\n");
 }
 
-Status Recorder::write_row(Table& table) {
-  PIRVS_ASSERT(!table.block.full());
-  if (table.block.room() >= kOrderRowMax) return Status::kOk;
-  const Status status = bsp::storage_write(table.file, table.block.c_str(), table.block.size());
-  table.block.clear();
+Status Recorder::Table::write_when_full() {
+  PIRVS_ASSERT(!block.full());
+  return block.room() >= kOrderRowMax ? Status::kOk : write();
+}
+
+Status Recorder::Table::write() {
+  if (block.size() == 0) return Status::kOk;
+  const Status status = bsp::storage_write(file, block.c_str(), block.size());
+  block.clear();
   return status;
+}
+
+void Recorder::flush_when_due() {
+  const TimeNs t = bsp::now();
+  if (t < flush_t_ || failed_) return;
+  flush_t_ = t + kFlush_ns;
+  for (Table* table : {&imu_, &order_, &maps_, &camera_[0], &camera_[1]}) {
+    if (table->open) check(table->write());
+  }
 }
 
 Status Recorder::write_sample(const ImuSample& sample) {
@@ -153,19 +166,19 @@ Status Recorder::write_sample(const ImuSample& sample) {
   for (int i = 0; i < 3; ++i) imu_.block.put(",").exact(sample.w_B[i]);
   for (int i = 0; i < 3; ++i) imu_.block.put(",").exact(sample.f_B[i]);
   imu_.block.put("\n");
-  return write_row(imu_);
+  return imu_.write_when_full();
 }
 
 Status Recorder::write_order(const OrderRow& row) {
   if (failed_) return Status::kFull;
   put(order_.block, row);
-  return write_row(order_);
+  return order_.write_when_full();
 }
 
 Status Recorder::write_map(const MapRow& row) {
   if (failed_) return Status::kFull;
   maps_.block.number(row.t).put(',').number(row.keyframe).put('\n');
-  return write_row(maps_);
+  return maps_.write_when_full();
 }
 
 Status Recorder::write_image(const ImageView& image, const char* name) {
@@ -199,7 +212,7 @@ Status Recorder::write_camera(const StereoFrame& frame, int c) {
   path.put(kCameraImages[c]).put(file.c_str());
   PIRVS_TRY(write_image(frame.image[c], path.c_str()));
   camera_[c].block.number(t).put(",").put(file.c_str()).put("\n");
-  return write_row(camera_[c]);
+  return camera_[c].write_when_full();
 }
 
 Step Recorder::step() {
@@ -219,6 +232,7 @@ Step Recorder::step() {
     map_ring_.pop();
     worked = true;
   }
+  if (worked) flush_when_due();
   const StereoFrame* const frame = frame_ring_.front();
   if (frame == nullptr) return worked ? Step::kAgain : Step::kIdle;
   for (int c = 0; c < kCamerasMax; ++c) {

@@ -4,7 +4,8 @@
 //         work goes by that arrivals do not say. step(): from a core that has time, at best its
 //         own. A frame is held (bsp::camera_retain) until it is written.
 // Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
-//         An image is listed once it is complete. Numbers read back to the bit. mav0/order.csv: a
+//         An image is listed once it is complete, and rows wait for kFlush_ns at most, so that what
+//         is left after a power cut is whole. Numbers read back to the bit. mav0/order.csv: a
 //         row for each arrival in its order, so that a replay can follow it (order_row.h).
 //         mav0/maps.csv: the newest keyframe that mapping had finished when each frame began.
 // Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
@@ -43,6 +44,7 @@ const char* name(RecordLoss loss);
 class Recorder {
  public:
   static constexpr size_t kFramesHeld = 6;  // 0.3 s at 20 Hz: a disk's usual stall
+  static constexpr TimeNs kFlush_ns = 500'000'000;
 
   // Opens the files and writes the calibration.
   Status start(const Camera* cameras, int count, const ImuNoise& noise,
@@ -73,6 +75,9 @@ class Recorder {
     bsp::File file;
     bool open = false;
     Text<kBlock> block;
+
+    Status write_when_full();
+    Status write();
   };
 
   struct MapRow {
@@ -92,7 +97,7 @@ class Recorder {
   Status write_imu_yaml(const ImuNoise& noise);
   Status write_text(const char* name, const TextWriter& text);
   Status write_image(const ImageView& image, const char* name);
-  Status write_row(Table& table);
+  void flush_when_due();
   Status write_sample(const ImuSample& sample);
   Status write_camera(const StereoFrame& frame, int c);
   Status write_order(const OrderRow& row);
@@ -107,6 +112,7 @@ class Recorder {
   Ring<MapRow, kMapRing> map_ring_;
   Table imu_, order_, maps_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
+  TimeNs flush_t_ = 0;                // of the next one
   std::atomic<int> core_{-1};         // none: steps are called by hand
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
   bool failed_ = false;

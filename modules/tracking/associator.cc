@@ -1,6 +1,7 @@
 #include "modules/tracking/associator.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace pirvs {
 namespace {
@@ -186,6 +187,20 @@ int Associator::tracked_made_by(uint32_t keyframe) const {
     for (const Track& track : tracks(c)) {
       const MapPoint* shown = point(c, track);
       count += shown != nullptr && shown->first_keyframe <= keyframe ? 1 : 0;
+    }
+  }
+  return count;
+}
+
+int Associator::seen_points(SeenPoint* out, int max) const {
+  int count = 0;
+  for (int c = 0; c < cameras_; ++c) {
+    for (const Track& track : tracks(c)) {
+      const MapPoint* const seen = point(c, track);
+      if (seen == nullptr || count == max) continue;
+      const auto same = [seen](const SeenPoint& other) { return other.id == seen->id; };
+      if (c > 0 && std::any_of(out, out + count, same)) continue;
+      out[count++] = {seen->id, seen->p_W, std::sqrt(seen->cov.trace() / 3)};
     }
   }
   return count;

@@ -15,6 +15,13 @@
 
 namespace pirvs {
 
+// A landmark as a viewer wants it.
+struct SeenPoint {
+  LandmarkId id;
+  Vec3 p_W = Vec3::Zero();
+  double sigma_m = 0;  // root of the mean variance of its axes
+};
+
 class Associator {
  public:
   // `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist. The
@@ -59,6 +66,8 @@ class Associator {
 
   // The cameras that delivered something to see, a bit each.
   uint8_t seeing(uint8_t present) const;
+  // Landmarks that tracks show, each once. Returns the count.
+  int seen_points(SeenPoint* out, int max) const;
   // Points now tracked that this keyframe or an earlier one made.
   int tracked_made_by(uint32_t keyframe) const;
 

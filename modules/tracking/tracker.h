@@ -132,6 +132,8 @@ class Tracker {
   const Trust& trust() const { return health_.trust(); }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return keyframer_.stereo(); }
+  // The landmarks that tracks show, each once. Returns the count.
+  int seen_points(SeenPoint* out, int max) const { return associator_.seen_points(out, max); }
 
  private:
   void take_snapshot();

@@ -1,12 +1,9 @@
-// pirvsd for arm64 under Debian's kernel in QEMU: a recording through real device nodes.
+// What goes in by device nodes comes out as the replay of it: cameras by V4L2, the IMU by IIO.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
 #include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
@@ -14,128 +11,34 @@
 #include <string>
 #include <vector>
 
-#include "modules/calibration/calibration_text.h"
+#include "tests/device/guest_run.h"
 #include "tests/recordings.h"
 #include "tests/replay.h"
-#include "tools/dataset/pack_file.h"
 
 namespace pirvs::systems {
 namespace {
 
-namespace fs = std::filesystem;
-
-constexpr double kDuration_s = 8;
-constexpr double kForce = 0.000598,
-                 kRate = 0.001064724;  // a count of inv_mpu6050 at 2 g, 2000 deg/s
+// A count of each IMU: inv_mpu6050 at 2 g and 2000 deg/s, the ICM-20602 at 8 g and 2000 deg/s.
+struct Counts {
+  double force, rate;
+};
+constexpr Counts kMpu6500 = {0.000598, 0.001064724};
+constexpr Counts kIcm20602 = {8.0 / 32768 * 9.80665, 2000.0 / 32768 * 3.14159265358979323846 / 180};
 
 double in_counts(double value, double scale) {
   return static_cast<double>(std::lround(value / scale)) * scale;
 }
 
-std::string read(const fs::path& path) {
-  std::stringstream text;
-  text << std::ifstream(path, std::ios::binary).rdbuf();
-  return text.str();
-}
-
-// What pirvsd told at its end, and the feeder.
-struct DeviceRun {
-  int status = -1;
-  std::string folder, news, console, fed, lines;
-  std::map<std::string, uint64_t> counters;
-  TimeNs shift = 0;
-
-  uint64_t counter(const std::string& name) const {
-    const auto found = counters.find(name);
-    return found == counters.end() ? 0 : found->second;
-  }
-  bool says(const std::string& text) const { return news.find(text) != std::string::npos; }
-};
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder ? folder : "build";
-}
-
-void write_guest_files(const tools::Recording& recording, const std::string& folder,
-                       const std::string& feed) {
-  Text<kCalibrationTextMax> calibration;
-  write_calibration(recording.calibration, calibration);
-  std::ofstream(folder + "/calibration.cfg") << calibration.c_str();
-  std::ofstream(folder + "/device.cfg") << "calibration = calibration.cfg\n"
-                                           "camera.left = /dev/video0\n"
-                                           "camera.right = /dev/video1\n"
-                                           "imu = iio:mpu6500\n"
-                                           "output.text = frames\n"
-                                           "output.poses = 127.0.0.1:14550\n"
-                                        << (feed.empty() ? "record = /run/out/record\n" : "");
-  const Camera& camera = recording.calibration.camera[0];
-  std::ofstream(folder + "/guest")
-      << "width=" << camera.width << "\nheight=" << camera.height << "\nfeed=" << feed << "\n";
-}
-
-// feed: empty, or "faults" (guest/feeder.cc); then nothing is recorded.
-DeviceRun run_device(const tools::Recording& recording, const std::string& feed) {
-  const std::string build = build_folder(), in = scratch_folder("device_in");
-  write_guest_files(recording, in, feed);
-  tools::write_pack(recording, in + "/recording.pack", [](size_t, size_t) {});
-  DeviceRun run;
-  run.folder = build + "/test/device" + (feed.empty() ? "" : "_" + feed);
-  std::string command = "tools/device/run --kernel " + build + "/device --recording " + in +
-                        "/recording.pack --out " + run.folder + " --timeout 500";
-  for (const char* module :
-       {"virtio_pci", "virtio_blk", "videodev", "videobuf2-v4l2", "videobuf2-vmalloc",
-        "industrialio-triggered-buffer", "inv-mpu6050-i2c"}) {
-    command += std::string(" --module ") + module;
-  }
-  command += " /init=tests/device/guest/init /bin/pirvsd=" + build + "/ironsides/pirvsd";
-  command += " /bin/feeder=" + build + "/device/feeder";
-  for (const char* module : {"test_camera.ko", "test_imu.ko"}) {
-    command += std::string(" /modules/") + module + "=" + build + "/device/modules/" + module;
-  }
-  for (const char* file : {"device.cfg", "calibration.cfg", "guest"}) {
-    command += std::string(" /config/") + file + "=" + in + "/" + file;
-  }
-  run.status = std::system(command.c_str());
-  run.news = read(run.folder + "/news");
-  run.console = read(run.folder + "/console");
-  run.fed = read(run.folder + "/fed");
-  run.lines = read(run.folder + "/lines");
-  std::istringstream news(run.news);
-  for (std::string line; std::getline(news, line);) {
-    std::istringstream words(line);
-    std::string word, name;
-    uint64_t value = 0;
-    if (words >> word >> name >> value && word == "counter") run.counters[name] = value;
-  }
-  long long shift = 0;
-  if (std::sscanf(run.fed.c_str(), "shift %lld", &shift) == 1) run.shift = shift;
-  return run;
-}
-
-// The first seconds of the real clip where it is, else of a simulated flight.
-tools::Recording fed_recording() {
-  tools::RecordingOptions options;
-  options.duration_s = kDuration_s;
-  const std::string folder =
-      clip() != nullptr ? clip()->folder : simulated(SimulatedDevice::kEuroc).folder;
-  return tools::open_recording(folder, options);
-}
-
-class device : public testing::Test {
+// Of both ways of the IMU: the kernel's driver, and our own over I2C.
+class device : public testing::TestWithParam<bool> {
  protected:
-  static const tools::Recording& fed() {
-    static const tools::Recording recording = fed_recording();
-    return recording;
-  }
-  // Shared: minutes.
-  static const DeviceRun& run() {
-    static const DeviceRun once = run_device(fed(), "");
-    return once;
-  }
+  static const tools::Recording& fed() { return fed_recording(); }
+  static const DeviceRun& run() { return good_run(GetParam()); }
   static const tools::Recording& sensed() {
-    static const tools::Recording recording = tools::open_recording(run().folder + "/record", {});
-    return recording;
+    static std::map<bool, tools::Recording> both;
+    const auto found = both.find(GetParam());
+    if (found != both.end()) return found->second;
+    return both[GetParam()] = tools::open_recording(run().folder + "/record", {});
   }
 };
 
@@ -144,6 +47,7 @@ std::string poses_of(const std::string& lines) {
   std::string out;
   std::istringstream all(lines);
   for (std::string line; std::getline(all, line);) {
+    if (line[0] == '#') continue;  // an edge of SYNC_IN
     size_t end = 0;
     for (int word = 0; word < 8 && end != std::string::npos; ++word) {
       end = line.find(' ', end + (word > 0));
@@ -153,7 +57,7 @@ std::string poses_of(const std::string& lines) {
   return out;
 }
 
-TEST_F(device, takes_every_image_and_sample_and_ends_in_order) {
+TEST_P(device, takes_every_image_and_sample_and_ends_in_order) {
   const DeviceRun& got = run();
   ASSERT_EQ(got.status, 0) << got.console;
   std::printf("%s%s", got.fed.c_str(), got.news.c_str());
@@ -171,15 +75,19 @@ TEST_F(device, takes_every_image_and_sample_and_ends_in_order) {
     EXPECT_EQ(got.counter(none), 0u) << none;
   }
   EXPECT_LE(got.counter("frame_before_imu"), 1u) << "the first: cameras have been silent";
-  EXPECT_EQ(got.counter("output.lines"), got.counter("frames_with_pose"));
-  EXPECT_GE(got.counter("output.datagrams"), 9 * got.counter("output.lines"));
+  EXPECT_EQ(got.counter("output.lines"),
+            got.counter("frames_with_pose") + got.counter("pin.sync_in_edges"));
+  EXPECT_GE(got.counter("output.datagrams"), 9 * got.counter("frames_with_pose"));
+  EXPECT_GT(got.counter("heap.calls"), 0u) << "libgpiod's, at start";
+  EXPECT_EQ(got.counter("heap.calls_after_start"), 0u);
 }
 
 // What the recorder was given is what was fed: stamps but for the microseconds that V4L2 cuts off
 // and the time that the interrupt took, values in the driver's counts.
-TEST_F(device, senses_what_was_fed) {
+TEST_P(device, senses_what_was_fed) {
   ASSERT_EQ(run().status, 0);
   constexpr TimeNs kLate_max = 20'000;
+  const Counts counts = GetParam() ? kIcm20602 : kMpu6500;
   ASSERT_EQ(sensed().imu.size(), fed().imu.size());
   TimeNs late_max = 0;
   for (size_t i = 0; i < fed().imu.size(); ++i) {
@@ -188,8 +96,8 @@ TEST_F(device, senses_what_was_fed) {
     ASSERT_GE(late, 0) << i;
     late_max = std::max(late_max, late);
     for (int k = 0; k < 3; ++k) {
-      ASSERT_EQ(out.f_B(k), in_counts(in.f_B(k), kForce)) << i;
-      ASSERT_EQ(out.w_B(k), in_counts(in.w_B(k), kRate)) << i;
+      ASSERT_EQ(out.f_B(k), in_counts(in.f_B(k), counts.force)) << i;
+      ASSERT_EQ(out.w_B(k), in_counts(in.w_B(k), counts.rate)) << i;
     }
   }
   std::printf("samples are stamped %.1f us late at most\n", 1e-3 * double(late_max));
@@ -208,7 +116,7 @@ TEST_F(device, senses_what_was_fed) {
 }
 
 // Same code, same input, another processor.
-TEST_F(device, what_it_recorded_replays_to_the_bytes_it_gave_out) {
+TEST_P(device, what_it_recorded_replays_to_the_bytes_it_gave_out) {
   ASSERT_EQ(run().status, 0);
   const Replay host = replay(sensed());
   print("replay of the device's recording", host);
@@ -245,7 +153,7 @@ Difference difference(const Replay& ours, const Replay& theirs, TimeNs shift) {
 // instead of those that V4L2 and the interrupt made of them. A simulated flight has a sample at
 // each frame's time, to the nanosecond; a device must interpolate one there, and a gate may then
 // decide otherwise.
-TEST_F(device, stamps_cost_less_than_a_millimetre) {
+TEST_P(device, stamps_cost_less_than_a_millimetre) {
   ASSERT_EQ(run().status, 0);
   const double near_m = clip() != nullptr ? 1e-3 : 5e-3;
   tools::Recording exact = sensed();
@@ -262,7 +170,7 @@ TEST_F(device, stamps_cost_less_than_a_millimetre) {
 // Against the replay of what was fed, without the first frame: live, the IMU does not wait for
 // cameras that have been silent. Mapping's results reach a frame when its core has had the time;
 // replays that delay them by 0 to 3 frames are as far from each other.
-TEST_F(device, tracks_as_a_replay_does) {
+TEST_P(device, tracks_as_a_replay_does) {
   ASSERT_EQ(run().status, 0);
   constexpr double kNear_m = 5e-3;
   tools::Recording rest = fed();
@@ -274,10 +182,14 @@ TEST_F(device, tracks_as_a_replay_does) {
   EXPECT_LT(off.rms_m, kNear_m);
 }
 
+INSTANTIATE_TEST_SUITE_P(imu, device, testing::Bool(), [](const auto& info) {
+  return std::string(info.param ? "icm20602" : "mpu6500");
+});
+
 // What guest/feeder.cc lists: a stale image of one camera at the start, half pairs, a pair lost,
 // both cameras pulled and plugged in, the IMU likewise.
-TEST_F(device, survives_what_goes_wrong_and_counts_it) {
-  const DeviceRun got = run_device(fed(), "faults");
+TEST(device_faults, are_survived_and_counted) {
+  const DeviceRun& got = faulty_run(false);
   ASSERT_EQ(got.status, 0) << got.console;
   std::printf("%s%s", got.fed.c_str(), got.news.c_str());
   EXPECT_TRUE(got.says("pirvsd ended with 0")) << got.console;
@@ -305,16 +217,38 @@ TEST_F(device, survives_what_goes_wrong_and_counts_it) {
   EXPECT_LE(got.counter("camera.left.lost"), 10u);
   EXPECT_EQ(got.counter("camera.right.lost"), got.counter("camera.left.lost") + 1);
   // Both were away for 16 frames and up to kRetry_ns more, the IMU for 6 and as long.
-  const size_t frames = fed().frames.size();
+  const size_t frames = fed_recording().frames.size();
   EXPECT_GE(got.counter("cameras.pairs"), frames - 30);
   EXPECT_LE(got.counter("cameras.pairs"), frames - 19);
-  EXPECT_GE(got.counter("imu.samples"), fed().imu.size() - 200);
+  EXPECT_GE(got.counter("imu.samples"), fed_recording().imu.size() - 200);
   for (const char* told : {"/dev/video0: camera unplugged, waiting for it",
                            "/dev/video1: camera unplugged, waiting for it",
                            "iio:mpu6500: IMU unplugged, waiting for it"}) {
     EXPECT_TRUE(got.says(told)) << told;
   }
   EXPECT_GT(got.counter("output.lines"), frames / 3) << "it goes on";
+}
+
+// What guest/feeder.cc lists of the chip on I2C: a bus that is dead for 30 ms and for 0.6 s, so
+// that its FIFO runs over, a brown-out, lost interrupts; beside that the clock is set, memory runs out,
+// and so does the disk.
+TEST(device_faults, of_the_chip_and_of_the_machine_are_survived_and_counted) {
+  const DeviceRun& got = faulty_run(true);
+  ASSERT_EQ(got.status, 0) << got.console;
+  std::printf("%s%s%s", got.fed.c_str(), got.news.c_str(),
+              text_of(got.folder + "/trouble").c_str());
+  EXPECT_TRUE(got.says("pirvsd ended with 0")) << got.console;
+  EXPECT_GE(got.counter("imu.bus_errors"), 1u);
+  EXPECT_GE(got.counter("imu.silent"), 2u) << "after a brown-out it sleeps, and lost interrupts";
+  EXPECT_GE(got.counter("imu.unplugged"), 1u) << "0.6 s without an answer";
+  EXPECT_GE(got.counter("imu.samples"), fed_recording().imu.size() / 2);
+  EXPECT_TRUE(got.says("data-ready edges are missing: setting the IMU up anew"));
+  EXPECT_TRUE(got.says("LEFT_A: the pin is busy"));
+  const std::string kernel = text_of(got.folder + "/kernel");
+  EXPECT_NE(kernel.find("Out of memory: Killed process"), std::string::npos);
+  EXPECT_EQ(kernel.find("(pirvsd)"), std::string::npos) << "the other one was killed";
+  EXPECT_EQ(got.counter("heap.calls_after_start"), 0u);
+  EXPECT_GT(got.counter("output.lines"), fed_recording().frames.size() / 4) << "it goes on";
 }
 
 }  // namespace

@@ -112,7 +112,7 @@ class Test:
                  f"/etc/rauc/keyring.pem={self.build}/ironsides/keys/cert.pem",
                  f"/usr/bin/pirvsd={program}",
                  *(f"/usr/bin/{name}={self.slot}/bin/{name}"
-                   for name in ("pirvs-card", "pirvs-receive")))
+                   for name in ("pirvs-usb", "pirvs-card", "pirvs-receive")))
         if init:
             self.kernel(folder / "kernel.fit", init)
         else:

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "board/linux/settings.h"
+#include "board/linux/text_commands.h"
 #include "bsp/drivers/device_tree/device_tree.h"
 #include "bsp/replay/pack.h"
 #include "bsp/replay/sensors.h"
@@ -274,6 +275,18 @@ void device_text(const uint8_t* data, size_t size) {
   }
 }
 
+// What is typed at a serial line: each line is a request or has a reason, and names are text with
+// an end.
+void typed_text(const uint8_t* data, size_t size) {
+  board::LineReader reader;
+  for (size_t i = 0; i < size; ++i) {
+    if (reader.take(static_cast<char>(data[i])) != board::LineReader::Taken::kLine) continue;
+    const board::TextRequest request = board::read_request(reader.line());
+    PIRVS_ASSERT((request.kind == board::RequestKind::kBad) == (request.why != nullptr));
+    PIRVS_ASSERT(std::memchr(request.command.text, 0, Command::kTextMax) != nullptr);
+  }
+}
+
 }  // namespace
 
 const Target kTargets[] = {
@@ -288,6 +301,7 @@ const Target kTargets[] = {
     {"pack", pack},
     {"device_tree", device_tree},
     {"device_text", device_text},
+    {"typed_text", typed_text},
 };
 const size_t kTargetCount = std::size(kTargets);
 

@@ -12,6 +12,7 @@ ALLOWED = {
     "bsp": ["bsp/api/", "core/"],
     # A chip: the rows of register.h, and for its emulator the emulated bus.
     "bsp/drivers": ["bsp/api/", "bsp/drivers/", "core/"],
+    "bsp/linux": ["bsp/api/", "bsp/drivers/", "core/"],
     "bsp/bare": ["bsp/api/", "bsp/drivers/", "core/"],
     "core": ["core/"],
 }
@@ -30,11 +31,13 @@ MODULES = {
     "tracking": ["state", "imu", "frontend", "map", "matching", "standstill", "health"],
     "mapping": ["state", "imu", "map", "matching"],
     "output": ["state", "imu", "health"],
+    "stream": ["state", "health", "output"],
+    "exposure": [],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
 }
 # Edge modules: data of the machine enters or leaves here.
-EDGE = ("imu", "door", "recorder")
+EDGE = ("imu", "door", "recorder", "stream")
 MODULES["app"] = list(MODULES)  # wires all the others
 EDGE += ("app",)
 for module, others in MODULES.items():

@@ -25,6 +25,7 @@ extern const Command kRunCommand;
 extern const Command kEvalCommand;
 extern const Command kPackCommand;
 extern const Command kSimCommand;
+extern const Command kListenCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "bsp/api/clock.h"
+#include "bsp/api/cores.h"
 #include "bsp/api/i2c.h"
 
 namespace pirvs::bsp {
@@ -20,10 +21,14 @@ double big_endian(const uint8_t* bytes) {
   return static_cast<int16_t>(static_cast<uint16_t>(bytes[0] << 8 | bytes[1]));
 }
 
+// Data sheet 11.25: 326.8 counts a degree, 0 at 25 degrees.
+float temperature_of(const uint8_t* packet) {
+  return static_cast<float>(big_endian(packet + 6)) / 326.8f + 25.0f;
+}
+
 void wait(TimeNs duration) {
   const TimeNs end = now() + duration;
-  while (now() < end) {
-  }
+  while (now() < end) relax();
 }
 
 }  // namespace
@@ -161,7 +166,9 @@ void Icm20602::fetched() {
     ImuSample sample;
     sample.t = stamp_of(i);
     counters_.guessed += i < unedged_ ? 1 : 0;
-    if (icm20602_decode(answer_ + i * kPacketBytes, sample)) {
+    const uint8_t* const packet = answer_ + i * kPacketBytes;
+    if (icm20602_decode(packet, sample)) {
+      temperature_C_ = temperature_of(packet);
       deliver(sample);
     } else {
       ++counters_.rejected;

@@ -45,6 +45,9 @@ class Icm20602 {
   void data_ready(TimeNs t);
   Status step(TimeNs now);
   Status poll(ImuSample& out);
+  // A transfer is under way or due: step() has more to do without another edge.
+  bool busy() const { return stage_ != Stage::kIdle || check_due_; }
+  float temperature_C() const { return temperature_C_; }  // with the newest sample
   const Counters& counters() const { return counters_; }
 
  private:
@@ -82,6 +85,7 @@ class Icm20602 {
   size_t check_row_ = 0;    // the next row of the set-up to read back
   bool check_due_ = false;  // one row after each batch
   bool lost_some_ = false;
+  float temperature_C_ = 0;
   Ring<ImuSample, 32> samples_;
   Counters counters_;
 };

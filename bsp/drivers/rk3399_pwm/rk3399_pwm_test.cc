@@ -37,7 +37,8 @@ TEST_F(Rk3399PwmDriver, PulsesComeWhenTheyWereAnnounced) {
       GTEST_SKIP() << "this machine cannot time a start to 5 us at the moment, in 300 tries";
     }
     ASSERT_TRUE(started.ok()) << name(started.status());
-    const auto [first_t, period_ns] = started.value();
+    const auto [first_t, period_ns, error_ns] = started.value();
+    EXPECT_EQ(error_ns, kTriggerError);
     EXPECT_NEAR(first_t, chip_.enabled_t(), kTriggerError);
     const TimeNs late = first_t % timing.period_ns - timing.phase_ns;
     EXPECT_GE(late, 0);

@@ -1,10 +1,13 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults]. With faults, what kFaults lists goes wrong. Runs above all programs
-// and above the kernel's threads for interrupts.
+// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong.
+// In a loop what comes kLoopFrom_ns after its start is played again and again, for so long: a
+// flight in circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for
+// interrupts, which else would miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
-//         clipped" at the end. The scale is the driver's, so values are multiples of it.
+//         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
+//         the ICM-20602, which has none, as pirvsd sets it up.
 #include <fcntl.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -16,6 +19,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <iterator>
 
 #include "bsp/api/clock.h"
 #include "bsp/replay/pack.h"
@@ -42,7 +46,8 @@ enum class Fault : uint8_t {
   kPulled,
   kPlugged,
   kImuPulled,
-  kImuPlugged
+  kImuPlugged,
+  kDark
 };
 struct FaultAt {
   uint32_t frame;
@@ -50,27 +55,46 @@ struct FaultAt {
   uint8_t cameras;
 };
 constexpr FaultAt kFaults[] = {
-    {30, Fault::kMissing, 2},    // half a pair
-    {40, Fault::kDamaged, 1},    // likewise
-    {50, Fault::kMissing, 3},    // a whole one
-    {60, Fault::kPulled, 3},     // both cameras, and back after 0.8 s
-    {76, Fault::kPlugged, 3},    //
-    {96, Fault::kImuPulled, 0},  // and back after 0.3 s
-    {102, Fault::kImuPlugged, 0},
+    {30, Fault::kMissing, 2},                              // half a pair
+    {40, Fault::kDamaged, 1},                              // likewise
+    {50, Fault::kMissing, 3},                              // a whole one
+    {60, Fault::kPulled, 3},                               // both cameras, and back after 0.8 s
+    {76, Fault::kPlugged, 3},                              //
+    {96, Fault::kImuPulled, 0},                            // and back after 0.3 s
+    {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
 };
-bool with_faults = false;
+bool with_faults = false, icm20602 = false;
+double loop_s = 0;
 
 Fault fault_at(uint32_t frame, int camera) {
   for (const FaultAt& fault : kFaults) {
     const bool here = fault.cameras == 0 ? camera == 0 : (fault.cameras >> camera & 1) != 0;
-    if (with_faults && fault.frame == frame && here) return fault.what;
+    const bool now = fault.frame == frame || (fault.what == Fault::kDark && fault.frame < frame);
+    if (with_faults && now && here) return fault.what;
   }
   return Fault::kNone;
 }
 
 struct Sample {
   int64_t t_ns;
-  int16_t force[3], temperature, rate[3], unused;
+  int16_t force[3], temperature, rate[3], fault;
+};
+
+// Of the ICM-20602, at a time since the first sample: as test_imu.c has them.
+enum ImuFault : int16_t { kBusDead = 1, kBusGood, kSilent, kSilentGood, kReset };
+struct ImuFaultAt {
+  TimeNs after_ns;
+  ImuFault what;
+};
+constexpr TimeNs kSecond = 1'000'000'000;
+constexpr ImuFaultAt kImuFaults[] = {
+    {kSecond * 20 / 10, kBusDead},
+    {kSecond * 20 / 10 + 30'000'000, kBusGood},  // its samples wait in the FIFO
+    {kSecond * 30 / 10, kReset},
+    {kSecond * 40 / 10, kSilent},  // and lost data-ready edges
+    {kSecond * 40 / 10 + 200'000'000, kSilentGood},
+    {kSecond * 50 / 10, kBusDead},  // until the FIFO runs over
+    {kSecond * 50 / 10 + 600'000'000, kBusGood},
 };
 
 struct Fed {
@@ -97,23 +121,106 @@ int16_t counts_of(double value, double scale, Fed& fed) {
   return static_cast<int16_t>(kept);
 }
 
-void feed_imu(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
-  const double force = read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
-  const double rate = read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
-  const int fd = open("/dev/test_imu", O_WRONLY);
-  if (fd < 0) fail("/dev/test_imu");
-  for (uint32_t i = 0; i < pack.header().imu_count; ++i) {
-    const ImuSample in = pack.imu(i);
-    Sample out{};
-    out.t_ns = in.t + shift;
-    for (int k = 0; k < 3; ++k) {
-      out.force[k] = counts_of(in.f_B(k), force, fed);
-      out.rate[k] = counts_of(in.w_B(k), rate, fed);
+// A recording whose part [from, end) is played `count` times.
+struct Loops {
+  static constexpr TimeNs kLoopFrom_ns = 2'000'000'000;
+  int count = 1;
+  TimeNs from = 0, end = INT64_MAX;
+};
+
+// Whole periods of the images, so that their rhythm goes on.
+Loops loops_for(const bsp::Pack& pack, double seconds) {
+  Loops out;
+  const uint32_t frames = pack.header().frame_count;
+  uint32_t first = 0;
+  while (first + 2 < frames && pack.frame(first).t < pack.frame(0).t + Loops::kLoopFrom_ns) ++first;
+  out.from = pack.frame(first).t;
+  out.end = 2 * pack.frame(frames - 1).t - pack.frame(frames - 2).t;
+  const double round_s = to_seconds(out.end - out.from);
+  const double once_s = to_seconds(out.end - pack.frame(0).t);
+  if (seconds > once_s) out.count += static_cast<int>((seconds - once_s) / round_s + 1);
+  return out;
+}
+
+// One stream of the recording, item by item, through all rounds.
+class Cursor {
+ public:
+  Cursor(uint32_t total, const Loops& loops) : total_(total), loops_(loops) {}
+  template <class TimeOf>
+  bool next(TimeOf time_of, uint32_t& index, TimeNs& t) {
+    const bool more_rounds = round_ + 1 < loops_.count;
+    if (more_rounds && (at_ == total_ || time_of(at_) >= loops_.end)) {
+      ++round_;
+      at_ = 0;
+      while (time_of(at_) < loops_.from) ++at_;
     }
-    if (write(fd, &out, sizeof out) != sizeof out) fail("a sample");
+    if (at_ == total_) return false;
+    index = at_++;
+    t = time_of(index) + round_ * (loops_.end - loops_.from);
+    return true;
+  }
+
+ private:
+  uint32_t total_, at_ = 0;
+  int round_ = 0;
+  Loops loops_;
+};
+
+class ImuFeed {
+ public:
+  ImuFeed(const bsp::Pack& pack, const Loops& loops, TimeNs shift)
+      : pack_(pack), cursor_(pack.header().imu_count, loops), shift_(shift) {
+    constexpr double kPi = 3.14159265358979323846;
+    force_ = icm20602 ? 8.0 / 32768 * 9.80665
+                      : read_scale("/sys/bus/iio/devices/iio:device0/in_accel_scale");
+    rate_ = icm20602 ? 2000.0 / 32768 * kPi / 180
+                     : read_scale("/sys/bus/iio/devices/iio:device0/in_anglvel_scale");
+    fd_ = open("/dev/test_imu", O_WRONLY);
+    if (fd_ < 0) fail("/dev/test_imu");
+    if (!icm20602 || !with_faults) fault_ = std::size(kImuFaults);
+  }
+
+  // All samples up to a time of the recording.
+  void feed(TimeNs until, Fed& fed) {
+    while (ahead_t_ <= until) {
+      uint32_t index = 0;
+      TimeNs t = 0;
+      if (!cursor_.next([this](uint32_t i) { return pack_.imu(i).t; }, index, t)) return;
+      ahead_t_ = t;
+      feed_one(pack_.imu(index), t, fed);
+    }
+  }
+
+ private:
+  void put(const Sample& sample) const {
+    if (write(fd_, &sample, sizeof sample) != sizeof sample) fail("a sample");
+  }
+
+  void feed_one(const ImuSample& in, TimeNs t, Fed& fed) {
+    Sample out{};
+    const TimeNs begin = pack_.imu(0).t;
+    while (fault_ < std::size(kImuFaults) && t > begin + kImuFaults[fault_].after_ns) {
+      out.t_ns = begin + kImuFaults[fault_].after_ns + shift_;
+      out.fault = kImuFaults[fault_++].what;
+      put(out);
+      out.fault = 0;
+    }
+    out.t_ns = t + shift_;
+    for (int k = 0; k < 3; ++k) {
+      out.force[k] = counts_of(in.f_B(k), force_, fed);
+      out.rate[k] = counts_of(in.w_B(k), rate_, fed);
+    }
+    put(out);
     ++fed.samples;
   }
-}
+
+  const bsp::Pack& pack_;
+  Cursor cursor_;
+  TimeNs shift_, ahead_t_ = INT64_MIN;
+  double force_ = 0, rate_ = 0;
+  int fd_ = -1;
+  size_t fault_ = 0;
+};
 
 void sleep_until(TimeNs t) {
   const timespec until = {static_cast<time_t>(t / 1'000'000'000), t % 1'000'000'000};
@@ -153,7 +260,7 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
   char path[80];
   if (fault == Fault::kPulled) camera.plug(kPull);
   if (fault == Fault::kPlugged) camera.plug(kPlug);
-  if (fault == Fault::kImuPulled || fault == Fault::kImuPlugged) {
+  if (!icm20602 && (fault == Fault::kImuPulled || fault == Fault::kImuPlugged)) {
     std::snprintf(path, sizeof path, "%s%s", kDriver,
                   fault == Fault::kImuPulled ? "unbind" : "bind");
     write_file(path, kChip);
@@ -162,10 +269,14 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
     ++camera.skip;
     return;
   }
-  fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood, pixels);
+  static const uint8_t kBlack[kImagePixelsMax] = {};
+  fed.refused += !camera.show(stamp, fault == Fault::kDamaged ? kBad : kGood,
+                              fault == Fault::kDark ? kBlack : pixels);
 }
 
-void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
+void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed) {
+  constexpr TimeNs kAhead_ns = 1'000'000'000;  // of the IMU, whose samples wait for their time
+  ImuFeed imu(pack, loops, shift);
   TestCamera cameras[kCamerasMax];
   for (int c = 0; c < kCamerasMax; ++c) {
     char node[32];
@@ -178,14 +289,19 @@ void feed_images(const bsp::Pack& pack, TimeNs shift, Fed& fed) {
   // Left from before the stream began, in one camera alone.
   constexpr TimeNs kHour_ns = 3'600'000'000'000;
   if (with_faults) (void)cameras[1].show(bsp::now() - kHour_ns, kGood, pack.frame(0).image[1].data);
-  for (uint32_t i = 0; i < pack.header().frame_count; ++i) {
-    const StereoFrame frame = pack.frame(i);
-    sleep_until(frame.t + shift + kTransfer_ns);
+  Cursor cursor(pack.header().frame_count, loops);
+  uint32_t index = 0;
+  TimeNs t = 0;
+  while (cursor.next([&](uint32_t i) { return pack.frame(i).t; }, index, t)) {
+    const StereoFrame frame = pack.frame(index);
+    imu.feed(t + kAhead_ns, fed);
+    sleep_until(t + shift + kTransfer_ns);
     for (int c = 0; c < kCamerasMax; ++c) {
-      feed_image(cameras[c], fault_at(i, c), frame.t + shift, frame.image[c].data, fed);
+      feed_image(cameras[c], fault_at(fed.frames, c), t + shift, frame.image[c].data, fed);
     }
     ++fed.frames;
   }
+  imu.feed(INT64_MAX, fed);
 }
 
 int feed(const char* path) {
@@ -202,8 +318,7 @@ int feed(const char* path) {
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
-  feed_imu(pack, shift, fed);
-  feed_images(pack, shift, fed);
+  feed_all(pack, loops_for(pack, loop_s), shift, fed);
   std::printf("fed %u frames %u samples, %u refused, %u clipped\n", fed.frames, fed.samples,
               fed.refused, fed.clipped);
   return 0;
@@ -214,8 +329,13 @@ int feed(const char* path) {
 
 int main(int argc, char** argv) {
   if (argc < 2) return 2;
-  pirvs::with_faults = argc > 2 && std::strcmp(argv[2], "faults") == 0;
-  const sched_param urgent{60};
+  for (int i = 2; i < argc; ++i) {
+    pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
+    pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
+    const bool loop = std::strcmp(argv[i], "loop") == 0 && i + 1 < argc;
+    if (loop) pirvs::loop_s = std::atof(argv[i + 1]);
+  }
+  const sched_param urgent{46};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   return pirvs::feed(argv[1]);
 }

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-2.0
 // An IMU for tests: an I2C bus with a model of the MPU-6500 (registers, FIFO, data-ready interrupt)
-// under the kernel's own inv-mpu6050-i2c. What is written to /dev/test_imu, as struct sample, is
-// measured at its time by a timer, as a chip would: then the interrupt comes.
+// under the kernel's own inv-mpu6050-i2c; or, with icm20602=1, of the ICM-20602, which no driver of
+// the kernel has and whose interrupt is a line of test_gpio.c. What is written to /dev/test_imu, as
+// struct sample, is measured at its time by a timer, as a chip would: then the interrupt comes. A
+// sample with `fault` is none, but what goes wrong then.
 #include <linux/hrtimer.h>
 #include <linux/i2c.h>
 #include <linux/interrupt.h>
@@ -13,7 +15,14 @@
 
 #define ADDRESS 0x68
 #define FIFO_BYTES 1024
+#define FIFO_BYTES_ICM 1008
 #define PENDING_MAX 8192
+#define DATA_READY 10 // line of test_gpio.c
+
+static bool icm20602;
+module_param(icm20602, bool, 0444);
+
+void test_gpio_set(unsigned int line, bool high);
 
 // Registers of the MPU-6500 that the model gives a meaning (register map, revision 2.1).
 enum {
@@ -31,7 +40,17 @@ enum {
 
 struct sample {
 	s64 t_ns; // CLOCK_MONOTONIC
-	s16 force[3], temperature, rate[3], unused;
+	s16 force[3], temperature, rate[3], fault;
+};
+
+// What goes wrong, from its time on.
+enum {
+	FAULT_NONE,
+	FAULT_BUS, // no transfer is answered ...
+	FAULT_BUS_GOOD, // ... until now
+	FAULT_SILENT, // samples are taken, but no interrupt comes ...
+	FAULT_SILENT_GOOD, // ... until now
+	FAULT_RESET, // as by a brown-out
 };
 
 static u8 registers[128], address;
@@ -40,7 +59,7 @@ static int fifo_head, fifo_count;
 static DEFINE_SPINLOCK(lock);
 static DEFINE_KFIFO(pending, struct sample, PENDING_MAX);
 static struct hrtimer timer;
-static bool timer_runs;
+static bool timer_runs, bus_dead, silent;
 static int irq;
 static struct i2c_client *client;
 
@@ -50,7 +69,7 @@ static void reset_chip(void)
 {
 	memset(registers, 0, sizeof(registers));
 	registers[POWER_1] = 0x40;
-	registers[WHO_AM_I] = 0x70;
+	registers[WHO_AM_I] = icm20602 ? 0x12 : 0x70;
 	fifo_head = fifo_count = 0;
 }
 
@@ -68,6 +87,8 @@ static bool goes_to_fifo(int byte)
 {
 	u8 enabled = registers[FIFO_ENABLE];
 
+	if (icm20602) // bit 3: force, bit 4: rate; the temperature with either
+		return (enabled & 0x18) == 0x18;
 	if (byte < 6)
 		return enabled & 0x08;
 	if (byte < 8)
@@ -80,17 +101,40 @@ static bool measure(const struct sample *s)
 {
 	const s16 values[7] = { s->force[0], s->force[1], s->force[2], s->temperature,
 				s->rate[0], s->rate[1], s->rate[2] };
+	bool full;
 	int i;
 
 	if (registers[POWER_1] & 0x40)
 		return false;
 	for (i = 0; i < 14; i++)
 		registers[MEASURED + i] = (u16)values[i / 2] >> (i % 2 ? 0 : 8);
-	for (i = 0; i < 14 && registers[USER_CONTROL] & 0x40; i++)
+	// The ICM-20602 stops when it is full, as it is set up.
+	full = icm20602 && fifo_count + 14 > FIFO_BYTES_ICM;
+	for (i = 0; i < 14 && registers[USER_CONTROL] & 0x40 && !full; i++)
 		if (goes_to_fifo(i))
 			push(registers[MEASURED + i]);
 	registers[INT_STATUS] |= 1;
 	return registers[INT_ENABLE] & 1;
+}
+
+static void fail(int fault)
+{
+	if (fault == FAULT_BUS || fault == FAULT_BUS_GOOD)
+		bus_dead = fault == FAULT_BUS;
+	if (fault == FAULT_SILENT || fault == FAULT_SILENT_GOOD)
+		silent = fault == FAULT_SILENT;
+	if (fault == FAULT_RESET)
+		reset_chip();
+}
+
+static void interrupt(void)
+{
+	if (!icm20602) {
+		generic_handle_irq(irq);
+		return;
+	}
+	test_gpio_set(DATA_READY, true);
+	test_gpio_set(DATA_READY, false);
 }
 
 static enum hrtimer_restart on_timer(struct hrtimer *t)
@@ -100,15 +144,19 @@ static enum hrtimer_restart on_timer(struct hrtimer *t)
 	unsigned long flags;
 
 	spin_lock_irqsave(&lock, flags);
-	if (kfifo_get(&pending, &s))
-		raise = measure(&s);
+	if (kfifo_get(&pending, &s)) {
+		if (s.fault)
+			fail(s.fault);
+		else
+			raise = measure(&s) && !silent;
+	}
 	more = kfifo_peek(&pending, &s);
 	if (more)
 		hrtimer_set_expires(t, ns_to_ktime(s.t_ns));
 	timer_runs = more;
 	spin_unlock_irqrestore(&lock, flags);
 	if (raise)
-		generic_handle_irq(irq);
+		interrupt();
 	return more ? HRTIMER_RESTART : HRTIMER_NORESTART;
 }
 
@@ -175,7 +223,7 @@ static int transfer(struct i2c_adapter *adapter, struct i2c_msg *messages, int c
 	int i;
 
 	for (i = 0; i < count; i++) {
-		if (messages[i].addr != ADDRESS)
+		if (messages[i].addr != ADDRESS || bus_dead)
 			return -ENXIO;
 		spin_lock_irqsave(&lock, flags);
 		transfer_message(&messages[i]);
@@ -248,7 +296,8 @@ static int __init test_imu_init(void)
 	if (result)
 		return result;
 	chip.irq = irq;
-	client = i2c_new_client_device(&bus, &chip);
+	if (!icm20602)
+		client = i2c_new_client_device(&bus, &chip);
 	if (IS_ERR(client)) {
 		i2c_del_adapter(&bus);
 		return PTR_ERR(client);
@@ -260,7 +309,8 @@ static void __exit test_imu_exit(void)
 {
 	misc_deregister(&feed);
 	hrtimer_cancel(&timer);
-	i2c_unregister_device(client);
+	if (client)
+		i2c_unregister_device(client);
 	i2c_del_adapter(&bus);
 	irq_free_descs(irq, 1);
 }
