@@ -32,6 +32,7 @@ CARD_BYTES = 1 << 30  # larger than the image: it has something to grow into
 CONTENT = ROOT / "board/ironsides/image"
 GUEST = ROOT / "tests/device/guest"
 TIME = "1700000000"
+COMPATIBLE = "pirvs-ironsides-rock-pi-4-rk3399"
 BOOT_S_MAX = 240  # of this machine, which others load
 USB_MAC, ETH_MAC = "52:54:00:00:07:01", "52:54:00:00:07:02"
 UBOOT_DELAY_S = 2  # that a test skips by a key
@@ -100,29 +101,30 @@ class Test:
         return card.Card(image, f"pirvs.overlay={last} {extra}", [disks[-1], *disks[:-1]], devices,
                          counted, self.log)
 
-    def bundle(self, version, key="keys", init=None, pirvsd=None):
-        """A signed update: the image's own slot under another version, or a broken one."""
-        folder = self.out / f"slot-{version}"
-        folder.mkdir()
-        program = pirvsd or self.slot / "bin/pirvsd"
+    def root(self, version, pirvsd=None):
+        """The image's root under another version, or with another pirvsd."""
+        path, bin_ = self.out / f"{version}.squashfs", self.slot / "bin"
+        programs = {name: bin_ / name for name in ("pirvs-usb", "pirvs-card", "pirvs-receive")}
+        programs["pirvsd"] = pirvsd or bin_ / "pirvsd"
         self.run("tools/image/build_root", "--debian", self.build / "debian/ironsides.tar",
                  "--kernel", self.build / "device", "--content", CONTENT, "--version", version,
-                 "--compatible", "pirvs-ironsides-rock-pi-4-rk3399", "--time", TIME, "--level", "1",
-                 "--out", folder / "root.squashfs",
+                 "--compatible", COMPATIBLE, "--time", TIME, "--level", "1", "--out", path,
                  f"/etc/rauc/keyring.pem={self.build}/ironsides/keys/cert.pem",
-                 f"/usr/bin/pirvsd={program}",
-                 *(f"/usr/bin/{name}={self.slot}/bin/{name}"
-                   for name in ("pirvs-usb", "pirvs-card", "pirvs-receive")))
+                 *(f"/usr/bin/{name}={file}" for name, file in programs.items()))
+        return path
+
+    def bundle(self, version, root=None, init=None, keys=None):
+        """An update with the image's own kernel and root but for what is given."""
+        folder, keys = self.out / f"slot-{version}", keys or self.build / "ironsides/keys"
+        folder.mkdir()
+        (folder / "root.squashfs").symlink_to(root or self.slot / "root.squashfs")
         if init:
             self.kernel(folder / "kernel.fit", init)
         else:
-            shutil.copy(self.slot / "kernel.fit", folder)
-        keys = self.build / "ironsides/keys" if key == "keys" else key
-        self.run("tools/image/build_bundle", "--slot", folder, "--compatible",
-                 "pirvs-ironsides-rock-pi-4-rk3399", "--version", version, "--key",
-                 keys / "key.pem", "--cert", keys / "cert.pem", "--out",
-                 self.out / f"{version}.raucb")
-        shutil.rmtree(folder)
+            (folder / "kernel.fit").symlink_to(self.slot / "kernel.fit")
+        self.run("tools/image/build_bundle", "--slot", folder, "--compatible", COMPATIBLE,
+                 "--version", version, "--key", keys / "key.pem", "--cert", keys / "cert.pem",
+                 "--out", self.out / f"{version}.raucb")
         return self.out / f"{version}.raucb"
 
     def kernel(self, out, init, *files):
@@ -275,8 +277,8 @@ def update(test):
     """To another version; what is not signed by us, or not whole, is refused."""
     test.run("ssh-keygen", "-q", "-t", "ed25519", "-N", "", "-f", test.out / "key")
     image = test.copy_card(authorized_keys=(test.out / "key.pub").read_bytes())
-    good = test.bundle("test-b")
-    stranger = test.bundle("test-stranger", key=other_keys(test))
+    good = test.bundle("test-b", root=test.root("test-b"))
+    stranger = test.bundle("test-stranger", keys=other_keys(test))
     truncated = test.out / "truncated.raucb"
     truncated.write_bytes(good.read_bytes()[:-1_000_000])
     with Device(test, image) as device:
@@ -308,14 +310,14 @@ def failures(test):
     (test.out / "fails").chmod(0o755)
     image = test.copy_card()
     bundles = [test.bundle("test-panics", init=PANICS), test.bundle("test-hangs", init=hangs()),
-               test.bundle("test-fails", pirvsd=test.out / "fails")]
+               test.bundle("test-fails", root=test.root("test-fails", test.out / "fails"))]
     with Device(test, image) as device:
         first = device.wait_until_it_answers()
         print(first)
         for bundle in bundles:
             begin, said = time.monotonic(), len(device.machine.console)
             done = device.update(bundle)
-            starts = device.machine.console[said:].count("trial=b")
+            starts = device.machine.console[said:].count("starting b")
             print(f"{bundle.name}: {starts} starts, {time.monotonic() - begin:.0f} s of this "
                   f"machine: {done.stderr.strip()}")
             test.expect(done.returncode == 1 and "the new version failed" in done.stderr,
@@ -363,7 +365,7 @@ def cuts(test):
     before = layout.read_at(image, config[0] * layout.SECTOR, 64 * MIB)
     version, begin, moments = 1, time.monotonic(), {}
     for number in range(count + 1):
-        small_root(offered, version + 1, 4 * MIB)
+        small_root(offered, number + 2, 4 * MIB)  # newer than any there is
         mark, early, late_s = chance.choice(MOMENTS) if number < count else LAST
         with card.Card(image, "", [(offered, "offered")], log=test.log) as machine:
             if not early:
