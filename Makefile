@@ -45,8 +45,8 @@ BELOW_TOOLS := -fno-exceptions -fno-rtti
 
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
-.PHONY: help all run size prof test test-unit test-system test-emulator test-device fuzz bench \
-  consistency check format setup clean FORCE
+.PHONY: help all run size prof test test-unit test-system test-emulator test-device nightly fuzz \
+  bench consistency check format setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
@@ -56,6 +56,7 @@ help: ## this list
 	@echo "  ARCH=native (all: for this machine's processor alone)"
 	@echo "A device under Linux, BOARD=$(LINUX_BOARDS):"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' make/linux.mk | expand -t 28
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=ironsides \1\t\2/p' make/image.mk | expand -t 32
 	@echo "Without an operating system, BOARD=$(BARE_BOARDS):"
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=... \1\t\2/p' make/bare.mk | expand -t 28
 	@sed -nE 's/^([a-z-]+):.*## (.*)/  make BOARD=rk3399-bare \1\t\2/p' \

@@ -24,7 +24,7 @@ endif
 # ---- sources -----------------------------------------------------------------------------------
 ALL_BELOW_TOOLS := $(call find_cc,core modules bsp/linux bsp/replay bsp/drivers \
   board/$(BOARD)) $(wildcard board/pc/jpeg*.cc) $(filter-out %/main.cc %/wiring.cc \
-  %/heap_watch.cc,$(call find_cc,board/linux board/usb))
+  %/heap_watch.cc,$(call find_cc,board/linux board/usb board/card))
 ALL_TOOLS := $(call find_cc,tools)
 ALL_FUZZ := $(call find_cc,tests/fuzz)
 EMULATOR_SRC := $(call find_cc,tests/emulator)
@@ -134,8 +134,9 @@ test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the 
 
 # Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
 DEVICE := $(BUILD)/device
-test-device: $(OUT)/device_tests $(DEVICE)/release $(DEVICE)/modules/dummy_hcd.c ## pirvsd under an arm64 kernel alone
+test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release $(DEVICE)/modules/dummy_hcd.c ## pirvsd under an arm64 kernel alone
 	@$(MAKE) -s BOARD=ironsides all $(addprefix $(DEVICE)/,feeder robot usb_peer)
+	@$(MAKE) -s BOARD=ironsides image $(DEVICE)/first_pose
 	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
 	PIRVS_BUILD=$(BUILD) $(OUT)/device_tests \
@@ -148,6 +149,10 @@ $(DEVICE)/source/dummy_hcd.c: tools/device/fetch_source $(DEVICE)/release
 $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/source/dummy_hcd.c
 	@mkdir -p $(@D)
 	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
+
+CUTS ?= 200
+nightly: ## what takes too long for every day: the power of a card is cut 200 times
+	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true

@@ -28,5 +28,6 @@ extern const Command kSimCommand;
 extern const Command kListenCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
+extern const Command kUpdateCommand;
 
 }  // namespace pirvs::tools

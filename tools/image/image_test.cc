@@ -240,5 +240,62 @@ TEST_F(FlashUsb, RefusesNoneSeveralAndTheUnconfirmed) {
   EXPECT_EQ(log(), "");
 }
 
+// What RAUC asks of the card of ironsides, after it has written slot b. pirvs-card is replaced by a
+// script that notes what it was asked; the partitions are files.
+class Backend : public Card {
+ protected:
+  void SetUp() override {
+    Card::SetUp();
+    write("bin/pirvs-card", "#!/bin/sh\nif [ $1 = get ]; then cat " + at("state") +
+                                "; else echo $* >> " + at("log") + "; fi\n");
+    fs::permissions(root_ / "bin/pirvs-card", fs::perms::owner_all);
+    write("state", "good=a trial= left=0 (copy 1)\n");
+    write("log", "");
+    write("disks/root-b", "a root" + std::string(100'000, 0));  // partitions are larger
+    write("disks/kernel-b", "a kernel" + std::string(100'000, 0));
+    // Of "a root" and "a kernel".
+    write("status",
+          "[slot.rootfs.0]\nsha256=1\nsize=1\n\n[slot.rootfs.1]\nbundle.version=2\nsha256=" +
+              sum("a root") + "\nsize=6\n\n[slot.kernel.1]\nsize=8\nsha256=" + sum("a kernel") +
+              "\n");
+  }
+  std::string sum(const std::string& text) const {
+    write("text", text);
+    return run("sha256sum " + at("text")).output.substr(0, 64);
+  }
+  Outcome ask(const std::string& words) const {
+    return run("PATH=" + at("bin") + ":$PATH STATUS=" + at("status") + " DISKS=" + at("disks") +
+               " sh board/ironsides/image/root/usr/lib/pirvs/rauc-backend " + words);
+  }
+  std::string log() const { return contents(root_ / "log"); }
+};
+
+TEST_F(Backend, ASlotIsTriedWhenItHoldsWhatWasWritten) {
+  EXPECT_EQ(ask("set-primary b").status, 0);
+  EXPECT_EQ(log(), "try b 3\n");
+}
+
+TEST_F(Backend, ASlotThatReadsBackOtherwiseIsNot) {
+  for (const char* part : {"root-b", "kernel-b"}) {
+    const std::string before = contents(root_ / "disks" / part);
+    write(std::string("disks/") + part, "A" + before.substr(1));
+    const Outcome asked = ask("set-primary b");
+    EXPECT_NE(asked.status, 0);
+    EXPECT_NE(asked.output.find(std::string(part) + ": not what was written"), std::string::npos);
+    write(std::string("disks/") + part, before);
+  }
+  EXPECT_NE(ask("set-primary a").status, 0) << "of which nothing was noted";
+  EXPECT_EQ(log(), "");
+}
+
+TEST_F(Backend, TellsAndSetsWhatIsGood) {
+  EXPECT_EQ(ask("get-primary").output, "a\n");
+  write("state", "good=a trial=b left=3 (copy 1)\n");
+  EXPECT_EQ(ask("get-primary").output, "b\n");
+  EXPECT_EQ(ask("set-state b good").status, 0);
+  EXPECT_EQ(ask("set-state b bad").status, 0);
+  EXPECT_EQ(log(), "good b\n");
+}
+
 }  // namespace
 }  // namespace pirvs

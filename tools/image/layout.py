@@ -17,6 +17,17 @@ UBOOT_SECTOR = 16384
 BOOT_OFFSET = 16 * 1024 * 1024
 IDBLOADER_MAGIC = bytes.fromhex("3b8cdcfc")  # RC4 of the boot ROM's header mark 0x0ff0aa55
 FIT_MAGIC = bytes.fromhex("d00dfeed")
+# For genimage.
+FIRMWARE_PARTITIONS = """partition idbloader {
+    in-partition-table = false
+    offset = 32K
+    image = "idbloader.img"
+  }
+  partition uboot {
+    in-partition-table = false
+    offset = 8M
+    image = "u-boot.itb"
+  }"""
 
 
 class Bad(Exception):
@@ -83,10 +94,10 @@ def check_firmware(image, firmware):
             raise Bad(f"{image}: {name} is not whole at sector {sector}")
 
 
-def check_files(image, files):
-    """Each file of the boot partition, by path, equals its source."""
+def check_files(image, files, offset=BOOT_OFFSET):
+    """Each file of the FAT partition at that byte, by path, equals its source."""
     for path, source in files.items():
-        read = subprocess.run(["mtype", "-i", f"{image}@@{BOOT_OFFSET}", f"::{path}"],
+        read = subprocess.run(["mtype", "-i", f"{image}@@{offset}", f"::{path}"],
                               capture_output=True, check=False)
         with open(source, "rb") as file:
             wanted = hashlib.file_digest(file, "sha256").digest()
