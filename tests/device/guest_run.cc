@@ -34,14 +34,15 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
       << (setup.icm20602 ? "imu = icm20602:0:68\nimu.data_ready = DATA_READY\n"
                          : "imu = iio:mpu6500\n")
       << (setup.record ? "record = /run/out/record\n" : "")
-      << (setup.trouble ? "record = /run/small/record\n" : "") << setup.config;
+      << (setup.trouble ? "record = /run/small/record\n" : "")
+      << (setup.cut_s > 0 ? "record = /run/disk/record\n" : "") << setup.config;
   const Camera& camera = recording.calibration.camera[0];
   std::ofstream(folder + "/guest")
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
       << (setup.icm20602 ? "icm20602 " : "") << "loop " << setup.loop_s << "\"\nrobot=\""
       << setup.robot << "\"\ncamera=\"" << setup.camera
-      << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\n";
+      << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\ncut=" << setup.cut_s << "\n";
 }
 
 std::string command_of(const GuestSetup& setup, const std::string& in, const std::string& out) {
@@ -49,6 +50,7 @@ std::string command_of(const GuestSetup& setup, const std::string& in, const std
   std::string command = "tools/device/run --kernel " + build + "/device --recording " + in +
                         "/recording.pack --out " + out + " --timeout " +
                         std::to_string(setup.timeout_s);
+  if (setup.cut_s > 0) command += " --module ext4 --disk " + setup.disk;
   for (const char* module :
        {"virtio_pci", "virtio_blk", "videodev", "videobuf2-v4l2", "videobuf2-vmalloc",
         "industrialio-triggered-buffer", "inv-mpu6050-i2c", "i2c-dev"}) {

@@ -20,6 +20,8 @@ struct GuestSetup {
   bool record = true;
   bool trouble = false;  // the clock is set, memory runs out, and the disk that is recorded on
   double loop_s = 0;     // so long the recording's end is played again and again
+  double cut_s = 0;      // after so long the power goes; recorded is on `disk`
+  std::string disk;      // a file with an ext4 file system
   int timeout_s = 500;   // of this machine
   std::string robot = "0.1 0 0";  // words for guest/robot.cc
   std::string config;             // more lines of device.cfg
