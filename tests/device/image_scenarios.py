@@ -334,7 +334,7 @@ def failures(test):
 # After which line of the console, whether that comes before the slot was found complete, and up to
 # how many seconds later the power is cut.
 MOMENTS = (("U-Boot 20", True, 3), ("PIRVS: state", True, 2), ("Starting kernel", True, 4),
-           ("GOOD version", False, 0.5), ("UPDATE", False, 4), ("UPDATE", False, 4),
+           ("GOOD version", False, 0.5), ("UPDATE", False, 0.5), ("UPDATE", False, 2),
            ("ARMED", False, 0.3), ("left=2, starting", False, 0.3),
            ("left=2, starting", False, 6))
 LAST = ("GOOD version", False, 0)
