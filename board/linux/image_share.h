@@ -5,11 +5,10 @@
 // Out     board/linux/image_protocol.h. The client can only read the memory.
 // Errors  open: kBusFault (no socket there, no memory). Nobody is waited for: while all slots are
 //         with the client, or when it does not read its messages, its images are lost and counted.
-//         One that is gone, or talks nonsense, is let go, and the next one may come. A second one
-//         is turned away.
-// Cost    Without a client: a clock reading a frame, and a system call every kAsk_ns: ~0.1 us a
-//         frame on x86-64. With one: a copy of the image and two system calls, ~40 us for 640 x
-//         480.
+//         One that is gone, or says what makes no sense, is let go, and the next one may come. A
+//         second one is turned away.
+// Cost    Without a client: a clock reading a frame, and a system call every kAsk_ns; ~0.1 us a
+//         frame on x86-64. With one: a copy of the image and two system calls, ~40 us at 640 x 480.
 // Source  memfd_create(2), F_SEAL_FUTURE_WRITE.
 #pragma once
 

@@ -230,8 +230,8 @@ TEST(device_faults, are_survived_and_counted) {
 }
 
 // What guest/feeder.cc lists of the chip on I2C: a bus that is dead for 30 ms and for 0.6 s, so
-// that its FIFO runs over, a brown-out, lost interrupts; beside that the clock is set, memory runs out,
-// and so does the disk.
+// that its FIFO runs over, a brown-out, lost interrupts; beside that the clock is set, and memory
+// and disk run out.
 TEST(device_faults, of_the_chip_and_of_the_machine_are_survived_and_counted) {
   const DeviceRun& got = faulty_run(true);
   ASSERT_EQ(got.status, 0) << got.console;

@@ -40,7 +40,8 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
       << (setup.icm20602 ? "icm20602 " : "") << "loop " << setup.loop_s << "\"\nrobot=\""
-      << setup.robot << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\n";
+      << setup.robot << "\"\ncamera=\"" << setup.camera
+      << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\n";
 }
 
 std::string command_of(const GuestSetup& setup, const std::string& in, const std::string& out) {

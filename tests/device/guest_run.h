@@ -19,10 +19,11 @@ struct GuestSetup {
   bool icm20602 = false;  // the IMU as a chip on I2C, else by the kernel's driver
   bool record = true;
   bool trouble = false;  // the clock is set, memory runs out, and the disk that is recorded on
-  int rounds = 1;        // how often the recording's end is played
+  double loop_s = 0;     // so long the recording's end is played again and again
   int timeout_s = 500;   // of this machine
   std::string robot = "0.1 0 0";  // words for guest/robot.cc
   std::string config;             // more lines of device.cfg
+  std::string camera;             // more words for guest/test_camera.c
 };
 
 // What pirvsd told at its end, the feeder and the robot.

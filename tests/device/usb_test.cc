@@ -1,5 +1,6 @@
 // The device on USB under Debian's arm64 kernel in QEMU: device and PC are one guest, joined by the
-// kernel's dummy_hcd; the PC's network lives in a namespace of its own.
+// kernel's dummy_hcd; the PC's network is in a namespace of its own.
+// PIRVS_USB_SECONDS: of poses; 60 by default, at least 20.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -107,7 +108,7 @@ UsbRun run_usb() {
   for (const char* program : {"feeder", "usb_peer"}) {
     command += std::string(" /bin/") + program + "=" + build + "/device/" + program;
   }
-  for (const char* module : {"test_camera.ko", "test_imu.ko", "dummy_hcd.ko"}) {
+  for (const char* module : {"test_camera.ko", "test_gpio.ko", "test_imu.ko", "dummy_hcd.ko"}) {
     command += std::string(" /modules/") + module + "=" + build + "/device/modules/" + module;
   }
   for (const char* file : {"device.cfg", "calibration.cfg", "guest"}) {

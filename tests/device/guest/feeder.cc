@@ -1,8 +1,8 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes wrong.
-// In a loop what comes kLoopFrom_ns after its start is played again and again, for so long: a
-// flight in circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for
+// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes
+// wrong. In a loop what comes kLoopFrom_ns after its start is played again and again, for so long:
+// a flight in circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for
 // interrupts, which else would miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C

@@ -2,9 +2,13 @@
 // Cameras for tests: each is a plain V4L2 capture device (GREY, MMAP), and shows what is written to
 // /dev/test_cameraN: a struct shot and the pixels. As a sensor does, a camera without a free buffer
 // loses the image, and its sequence goes on. A struct shot alone pulls the camera or plugs it in.
+// With exposure=N it has controls of exposure and gain, which begin so and are true of the second
+// image after they were set: what is written is what 4 ms and gain 16 show of the scene. From image
+// dim_at on it has 30 % of its light; at image meddle_at the exposure is set as another program would.
 #include <linux/miscdevice.h>
 #include <linux/module.h>
 #include <linux/uaccess.h>
+#include <media/v4l2-ctrls.h>
 #include <media/v4l2-device.h>
 #include <media/v4l2-ioctl.h>
 #include <media/videobuf2-v4l2.h>
@@ -13,6 +17,10 @@
 #define CAMERAS_MAX 4
 
 static int cameras = 2, width = 752, height = 480;
+static int exposure, dim_at, meddle_at;
+module_param(exposure, int, 0444); // 100 us; 0: no controls
+module_param(dim_at, int, 0444);
+module_param(meddle_at, int, 0444);
 module_param(cameras, int, 0444);
 module_param(width, int, 0444);
 module_param(height, int, 0444);
@@ -40,6 +48,10 @@ struct camera {
 	char name[24];
 	u32 sequence;
 	bool streaming;
+	struct v4l2_ctrl_handler controls;
+	struct v4l2_ctrl *exposure, *gain;
+	u32 product; // of both, for the next image
+	int shots;
 };
 static struct camera *all[CAMERAS_MAX];
 
@@ -119,6 +131,46 @@ static const struct vb2_ops queue_ops = {
 	.wait_finish = vb2_ops_wait_finish,
 };
 
+// ---- exposure -----------------------------------------------------------------------------------
+
+#define GAIN_ONE 16
+#define FULL (40ull * GAIN_ONE * 100)
+
+static int set_control(struct v4l2_ctrl *control)
+{
+	return 0;
+}
+static const struct v4l2_ctrl_ops control_ops = { .s_ctrl = set_control };
+
+static int add_controls(struct camera *c)
+{
+	v4l2_ctrl_handler_init(&c->controls, 2);
+	c->exposure = v4l2_ctrl_new_std(&c->controls, &control_ops, V4L2_CID_EXPOSURE_ABSOLUTE, 1,
+					2000, 1, exposure);
+	c->gain = v4l2_ctrl_new_std(&c->controls, &control_ops, V4L2_CID_GAIN, GAIN_ONE,
+				    16 * GAIN_ONE, 1, GAIN_ONE);
+	c->v4l2.ctrl_handler = &c->controls;
+	c->product = exposure * GAIN_ONE;
+	return c->controls.error;
+}
+
+// The sensor latches its registers when an image begins: the next one has them.
+static void expose(struct camera *c, u8 *pixels, size_t count)
+{
+	u32 light = dim_at && c->shots >= dim_at ? 30 : 100;
+	u8 seen[256];
+	size_t i;
+
+	for (i = 0; i < 256; i++)
+		seen[i] = min_t(u64, div64_u64(i * (u64)c->product * light, FULL), 255);
+	for (i = 0; i < count; i++)
+		pixels[i] = seen[pixels[i]];
+	c->product = v4l2_ctrl_g_ctrl(c->exposure) * v4l2_ctrl_g_ctrl(c->gain);
+	c->shots++;
+	if (meddle_at && c->shots == meddle_at)
+		v4l2_ctrl_s_ctrl(c->exposure, 3);
+}
+
 // ---- what a test writes -------------------------------------------------------------------------
 
 static int plug(struct camera *c);
@@ -155,6 +207,8 @@ static ssize_t feed_write(struct file *f, const char __user *from, size_t size, 
 		bool bad = copy_from_user(pixels, from + sizeof(shot), width * height) ||
 			   shot.what == SHOT_BAD;
 
+		if (exposure)
+			expose(c, pixels, width * height);
 		b->vb.vb2_buf.timestamp = shot.stamp_ns;
 		b->vb.sequence = c->sequence++;
 		b->vb.field = V4L2_FIELD_NONE;
@@ -293,6 +347,9 @@ static int add_camera(int i)
 	result = v4l2_device_register(NULL, &c->v4l2);
 	if (result)
 		return result;
+	result = exposure ? add_controls(c) : 0;
+	if (result)
+		return result;
 	c->queue = (struct vb2_queue){
 		.type = V4L2_BUF_TYPE_VIDEO_CAPTURE,
 		.io_modes = VB2_MMAP,
@@ -336,6 +393,8 @@ static void __exit test_camera_exit(void)
 		misc_deregister(&all[i]->feed);
 		if (all[i]->node)
 			video_unregister_device(all[i]->node);
+		if (exposure)
+			v4l2_ctrl_handler_free(&all[i]->controls);
 		v4l2_device_unregister(&all[i]->v4l2);
 		kfree(all[i]);
 	}
