@@ -138,9 +138,17 @@ test-device: $(OUT)/device_tests $(OUT)/pirvs $(DEVICE)/release $(DEVICE)/module
 	@$(MAKE) -s BOARD=ironsides all $(addprefix $(DEVICE)/,feeder robot usb_peer)
 	@$(MAKE) -s BOARD=ironsides image $(DEVICE)/first_pose
 	@tools/device/build_modules $(DEVICE) tests/device/guest $(DEVICE)/modules
-	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json
-	PIRVS_BUILD=$(BUILD) $(OUT)/device_tests \
-	  --gtest_output=json:$(BUILD)/test/device.json $(GTEST_FILTER_ARG)
+	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/device.json $(BUILD)/test/card.json
+	@$(if $(T),$(call device_tests,device,*$(T)*),$(DEVICE_AND_CARD))
+# device_tests(name of the results, filter)
+device_tests = PIRVS_BUILD=$(BUILD) $(OUT)/device_tests --gtest_filter='$(2)' \
+  --gtest_output=json:$(BUILD)/test/$(1).json
+# Tests of the card wait for their machines most of the time: they run beside the others.
+define DEVICE_AND_CARD
+$(call device_tests,card,image.*) > $(BUILD)/test/card.txt 2>&1 & card=$$!; \
+  status=0; $(call device_tests,device,-image.*) || status=1; \
+  wait $$card || status=1; cat $(BUILD)/test/card.txt; exit $$status
+endef
 $(DEVICE)/release: tools/device/fetch_kernel | $(BUILD)/setup.stamp
 	@tools/device/fetch_kernel $(DEVICE)
 # A USB device controller and a host in one, out of the kernel's source, 140 MB, fetched once.
@@ -151,8 +159,9 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
 
 CUTS ?= 200
-nightly: ## what takes too long for every day: the power of a card is cut 200 times
+nightly: ## what takes too long for every day: 200 power cuts of a card, 10 minutes of all sensors
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
+	@PIRVS_LOAD_MINUTES=10 $(MAKE) test-device T=device_load
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one
 	$(OUT)/bench --benchmark_filter='$(if $(K),$(K),.)' --benchmark_counters_tabular=true
