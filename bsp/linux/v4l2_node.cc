@@ -314,6 +314,7 @@ TimeNs V4l2Node::mid_exposure(const v4l2_buffer& buffer, TimeNs arrival) {
 const uint8_t* V4l2Node::grey_of(const v4l2_buffer& buffer) {
   const uint8_t* const data = buffers_[buffer.index].data;
   if (lends_as_it_is()) return data;
+  ++counters_.converted;
   const RawBuffer raw = {data, buffer.bytesused, stride_, setup_.width, setup_.height, limited_};
   uint8_t* const out = grey_ + grey_bytes() / kBuffers * size_t{buffer.index};
   return make_grey(*format_, raw, setup_.jpeg, out) ? out : nullptr;

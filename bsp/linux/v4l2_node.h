@@ -70,11 +70,12 @@ struct V4l2Image {
 };
 
 struct V4l2Counters {
-  Counter images, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged,
+  Counter images, converted, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged,
       exposure_changed, control_refused;
 };
 inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
     {"images", &V4l2Counters::images},
+    {"converted", &V4l2Counters::converted},  // made grey in memory of our own
     {"lost", &V4l2Counters::lost},            // by the sequence, before they came to us
     {"damaged", &V4l2Counters::damaged},      // error flag, or too short
     {"stale", &V4l2Counters::stale},          // left from before the stream began

@@ -40,6 +40,7 @@ TEST_F(V4l2NodeTest, LendsTheCamerasOwnMemory) {
   EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers});
   const V4l2Image image = shot({begin_, 7, 200});
   EXPECT_EQ(image.data, camera().memory[0].data()) << "no copy";
+  EXPECT_EQ(node_.counters().converted, 0u);
   EXPECT_EQ(image.stride, kWidth);
   EXPECT_EQ(image.sequence, 7u);
   EXPECT_EQ(image.t, us(begin_));
@@ -67,6 +68,7 @@ TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
       camera().shoot({now(), uint32_t(i), uint8_t(100 + i)});
       ASSERT_EQ(node.take(images[i]), Status::kOk);
     }
+    EXPECT_EQ(node.counters().converted, format == V4L2_PIX_FMT_NV12 ? 0u : 2u) << format;
     for (int i = 0; i < 2; ++i) {
       EXPECT_EQ(images[i].stride, kWidth);
       for (size_t k = 0; k < kBytes; ++k) ASSERT_EQ(images[i].data[k], 100 + i) << format;

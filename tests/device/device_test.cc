@@ -70,8 +70,9 @@ TEST_P(device, takes_every_image_and_sample_and_ends_in_order) {
   EXPECT_EQ(got.counter("imu.samples"), samples);
   for (const char* none :
        {"camera.left.lost", "camera.right.lost", "camera.left.damaged", "camera.left.stale",
-        "camera.left.unstamped", "cameras.halves", "cameras.counts_wrong", "imu.lost",
-        "imu.wrong_clock", "output.dropped", "frame_backwards", "imu_gap", "imu_backwards"}) {
+        "camera.left.unstamped", "camera.left.converted", "camera.right.converted",
+        "cameras.halves", "cameras.counts_wrong", "imu.lost", "imu.wrong_clock", "output.dropped",
+        "frame_backwards", "imu_gap", "imu_backwards"}) {
     EXPECT_EQ(got.counter(none), 0u) << none;
   }
   EXPECT_LE(got.counter("frame_before_imu"), 1u) << "the first: cameras have been silent";
