@@ -147,7 +147,23 @@ TEST(Settings, EachBrokenLineIsNamed) {
   ASSERT_EQ(set_setting(out, "camera.exposure", "auto"), nullptr);
   EXPECT_EQ(out.params.exposure.automatic, 1);
   EXPECT_STREQ(set_setting(out, "imu", "/dev/iio:device0"),
-               "an IMU is iio: and its number or name");
+               "an IMU is iio: and its number or name, or icm20602:BUS[:ADDRESS]");
+  EXPECT_STREQ(set_setting(out, "imu", "icm20602:1:70"),
+               "an ICM-20602 is at 68 or 69 (hexadecimal)");
+  ASSERT_EQ(set_setting(out, "imu", "icm20602:1:69"), nullptr);
+  EXPECT_EQ(out.i2c_imu.bus, 1);
+  EXPECT_EQ(out.i2c_imu.address, 0x69);
+  ASSERT_EQ(set_setting(out, "calibration", "c"), nullptr);
+  ASSERT_EQ(set_setting(out, "camera.left", "/dev/video0"), nullptr);
+  EXPECT_TRUE(find_missing(out)) << "the pin of its interrupt";
+  ASSERT_EQ(set_setting(out, "imu.data_ready", "gpiochip0:5"), nullptr);
+  EXPECT_FALSE(find_missing(out));
+  EXPECT_STREQ(set_setting(out, "pin.wheel_left", "A"), "an encoder has two pins, A and B");
+  EXPECT_STREQ(set_setting(out, "pin.sync_in_edge", "up"), "rising, falling or both");
+  EXPECT_STREQ(set_setting(out, "pin.sync_in_as", "clock"), "event or pps");
+  EXPECT_STREQ(set_setting(out, "pin.health_confidence", "2"), "not from 0 to 1");
+  EXPECT_STREQ(set_setting(out, "output.stream", "usb0"),
+               "not an address and a port, as 192.168.7.2:14550");
 }
 
 TEST(Settings, WhatIsMissingIsNamed) {

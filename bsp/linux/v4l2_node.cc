@@ -345,7 +345,8 @@ Status V4l2Node::take(V4l2Image& out) {
     const TimeNs t = mid_exposure(buffer, arrival);
     const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
     bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
-    const bool stale = !damaged && t < started_t_;
+    constexpr TimeNs kCut_ns = 1'000;  // stamps are whole microseconds, cut off
+    const bool stale = !damaged && t + kCut_ns <= started_t_;
     const uint8_t* const grey = damaged || stale ? nullptr : grey_of(buffer);
     damaged |= grey == nullptr && !stale;
     if (damaged) ++counters_.damaged;

@@ -193,6 +193,7 @@ int Associator::tracked_made_by(uint32_t keyframe) const {
 }
 
 int Associator::seen_points(SeenPoint* out, int max) const {
+  if (frontends_ == nullptr) return 0;
   int count = 0;
   for (int c = 0; c < cameras_; ++c) {
     for (const Track& track : tracks(c)) {
