@@ -50,7 +50,7 @@ std::string command_of(const GuestSetup& setup, const std::string& in, const std
   std::string command = "tools/device/run --kernel " + build + "/device --recording " + in +
                         "/recording.pack --out " + out + " --timeout " +
                         std::to_string(setup.timeout_s);
-  if (setup.cut_s > 0) command += " --module ext4 --disk " + setup.disk;
+  if (setup.cut_s > 0) command += " --module ext4 --module crc32c_generic --disk " + setup.disk;
   for (const char* module :
        {"virtio_pci", "virtio_blk", "videodev", "videobuf2-v4l2", "videobuf2-vmalloc",
         "industrialio-triggered-buffer", "inv-mpu6050-i2c", "i2c-dev"}) {

@@ -48,7 +48,7 @@ TEST(device_load, all_sensors_at_once_lose_nothing) {
   setup.name = "device_load";
   setup.record = false;
   setup.loop_s = duration_s();
-  setup.timeout_s = int(15 * duration_s());
+  setup.timeout_s = int(40 * duration_s());
   setup.robot = std::to_string(duration_s()) + " 97000 50";
   setup.config =
       "pin.sync_out = SYNC_OUT\n"

@@ -59,6 +59,8 @@ Status Icm20602::set_up() {
   wait(kResetTime);
   for (const SetupByte& row : kSetup) PIRVS_TRY(write(row.address, row.value));
   PIRVS_TRY(write(kUSER_CTRL, kFifoEnable | kFifoReset));
+  counters_.lost += static_cast<uint32_t>(edge_count_);  // what they announced is not read any more
+  lost_some_ |= edge_count_ > 0;
   edge_count_ = waiting_ = unedged_ = check_row_ = 0;
   check_due_ = false;
   newest_t_ = now();

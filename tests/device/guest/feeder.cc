@@ -190,6 +190,7 @@ class ImuFeed {
       feed_one(pack_.imu(index), t, fed);
     }
   }
+  TimeNs ahead() const { return ahead_t_; }  // of the last sample
 
  private:
   void put(const Sample& sample) const {
@@ -302,6 +303,8 @@ void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed)
     ++fed.frames;
   }
   imu.feed(INT64_MAX, fed);
+  constexpr TimeNs kAfter_ns = 100'000'000;
+  sleep_until(imu.ahead() + shift + kAfter_ns);
 }
 
 int feed(const char* path) {
