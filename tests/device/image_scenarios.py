@@ -171,6 +171,7 @@ def boot(test):
                            feeder=test.build / "device/feeder",
                            first_pose=test.build / "device/first_pose",
                            test_camera__ko=modules / "test_camera.ko",
+                           test_gpio__ko=modules / "test_gpio.ko",
                            test_imu__ko=modules / "test_imu.ko")
     config = partition(image, "PIRVS")
     before = layout.read_at(image, config[0] * layout.SECTOR, 64 * MIB)
