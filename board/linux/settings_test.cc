@@ -134,6 +134,9 @@ TEST(Settings, EachBrokenLineIsNamed) {
     EXPECT_EQ(fault.line, 6) << broken.line;
     EXPECT_STREQ(fault.what, broken.what) << broken.line;
   }
+}
+
+TEST(Settings, SomeFollowFromOthers) {
   Settings out;
   EXPECT_STREQ(set_setting(out, "camera.left", "isp:2"), "an ISP is isp:0 or isp:1");
   ASSERT_EQ(set_setting(out, "camera.left", "isp:1"), nullptr);

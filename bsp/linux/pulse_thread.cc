@@ -58,8 +58,9 @@ void PulseThread::pulse(TimeNs t) {
     ++left_out_;
     return;
   }
+  const TimeNs rise = now();  // later than t, if this thread was interrupted in between
   (void)pin_->write(true);
-  sleep_until(t + width_ns_);
+  sleep_until(rise + width_ns_);
   (void)pin_->write(false);
   ++pulses_;
 }

@@ -1,5 +1,5 @@
-// All sensors at once: two cameras of 640 x 480, the IMU, an encoder of 20 000 edges a second, poses
-// to the network.
+// All sensors at once: two cameras of 640 x 480, the IMU, an encoder of 20 000 edges a second, and
+// poses to the network.
 #include <gtest/gtest.h>
 
 #include <cstdio>

@@ -340,5 +340,8 @@ int main(int argc, char** argv) {
   }
   const sched_param urgent{46};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
-  return pirvs::feed(argv[1]);
+  const int status = pirvs::feed(argv[1]);
+  const sched_param none{0};  // to give memory back takes long, and others wait
+  (void)sched_setscheduler(0, SCHED_OTHER, &none);
+  return status;
 }

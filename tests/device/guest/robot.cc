@@ -149,5 +149,7 @@ int main(int argc, char** argv) {
   usleep(500'000);
   note(fd, seen, lost);
   std::printf("wheel %u\nlost %u\n", player.ticks(), lost);
+  const sched_param none{0};
+  (void)sched_setscheduler(0, SCHED_OTHER, &none);
   return 0;
 }
