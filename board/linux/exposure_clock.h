@@ -1,4 +1,4 @@
-// When the next exposures will be at their middle, by the stamps of those that were.
+// Predicts the mid-exposure times of the next frames from the stamps of past frames.
 // In      add(): each frame's t, in order; frames may be missing.
 // Out     plan(): pulses at the middle of the exposures to come, for as long as kAhead periods
 //         after the last frame. Empty until three frames agree on a period.

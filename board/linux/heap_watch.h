@@ -1,4 +1,4 @@
-// Counts what is taken from the heap, by a linker that puts these functions in malloc's place.
+// Counts heap allocations: the linker wraps malloc, calloc and realloc with counting functions.
 // Out     calls(): since the program began; calls_after_start(): since start_is_over(). Both from
 //         any core.
 // Errors  none. Memory that the kernel gives (mmap) is not counted.

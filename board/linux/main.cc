@@ -24,6 +24,7 @@
 #include "bsp/linux/disk_sync.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/storage.h"
+#include "bsp/linux/text_file.h"
 #include "core/base/text.h"
 #include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
@@ -45,7 +46,7 @@ constexpr const char* kHelp =
     "  --imu          iio:0, or by the name of its driver, iio:mpu6500; or icm20602:BUS\n"
     "  --calibration  written by `pirvs calibration`\n"
     "  --set          any key of the file, output.text=frames\n"
-    "  --health-low   alone behind CONFIG: puts HEALTH low and ends; for when pirvsd was killed\n"
+    "  --health-low   with CONFIG alone: drives HEALTH low and exits, after pirvsd was killed\n"
     "Poses come on standard output, one a line: t x y z qx qy qz qw health confidence.\n"
     "News of sensors and health come on standard error. SIGTERM and SIGINT end it in order.\n"
     "Exit status: 0 ended by a signal, 1 a core could not be started, 2 bad input.\n";
@@ -135,21 +136,9 @@ void on_late(void*, TimeNs t, const LateTask& task) {
 
 // The whole file as text; says why not.
 bool read_file(const char* path, char* out, size_t max, std::string_view& text) {
-  const int fd = open(path, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) {
-    say(path, std::strerror(errno));
-    return false;
-  }
-  size_t size = 0;
-  ssize_t got = 0;
-  while (size < max && (got = read(fd, out + size, max - size)) > 0) {
-    size += static_cast<size_t>(got);
-  }
-  close(fd);
-  if (got < 0) say(path, std::strerror(errno));
-  if (size == max) say(path, "the file is too large");
-  text = {out, size};
-  return got == 0 && size < max;
+  const char* const why = bsp::read_text_file(path, out, max, text);
+  if (why != nullptr) say(path, why);
+  return why == nullptr;
 }
 
 bool say_fault(const char* path, const ConfigFault& fault) {
@@ -305,7 +294,7 @@ void open_pins() {
   PinSinks sinks;
   sinks.deliver = [](void*, const Arrival& arrival) { return app.deliver(arrival); };
   sinks.event = on_sync_in;
-  (void)pins.open(settings.pins, settings.realtime, {nullptr, on_news}, sinks);
+  pins.open(settings.pins, settings.realtime, {nullptr, on_news}, sinks);
   if (pins.sync_in_fd() >= 0) (void)bsp::watch_fd(0, pins.sync_in_fd());
 }
 

@@ -12,22 +12,19 @@ constexpr TimeNs kPeriodUnknown_ns = 100'000'000;
 
 }  // namespace
 
-void Pins::tell_failure(bool& all, const char* pin, const char* why) {
-  if (why == nullptr) return;
-  all = false;
-  if (news_.tell != nullptr) news_.tell(news_.context, pin, why);
+void Pins::tell_failure(const char* pin, const char* why) {
+  if (why != nullptr && news_.tell != nullptr) news_.tell(news_.context, pin, why);
 }
 
-bool Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews& news,
+void Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews& news,
                 const PinSinks& sinks) {
   settings_ = settings;
   news_ = news;
   sinks_ = sinks;
-  bool all = true;
   const auto given = [](const SettingText& name) { return name.text[0] != 0; };
   if (given(settings_.health)) {
     const char* const name = settings_.health.text;
-    tell_failure(all, name, health_pin_.open(name, false, kUser));
+    tell_failure(name, health_pin_.open(name, false, kUser));
   }
   if (given(settings_.sync_out)) {
     const char* const name = settings_.sync_out.text;
@@ -36,14 +33,14 @@ bool Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews&
         sync_out_.start(sync_out_pin_, settings_.sync_out_width_ns, urgent) != Status::kOk) {
       why = "no thread for its pulses";
     }
-    tell_failure(all, name, why);
+    tell_failure(name, why);
   }
   if (given(settings_.sync_in)) {
     const char* const name = settings_.sync_in.text;
     const bsp::EdgeKind kind =
         settings_.sync_in_is_pps ? bsp::EdgeKind::kRising : settings_.sync_in_edge;
     const char* const why = sync_in_.find(&name, 1);
-    tell_failure(all, name, why != nullptr ? why : sync_in_.open(kind, kUser));
+    tell_failure(name, why != nullptr ? why : sync_in_.open(kind, kUser));
   }
   for (int side = 0; side < 2; ++side) {
     const SettingText(&names)[2] = settings_.wheel[side];
@@ -51,9 +48,8 @@ bool Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews&
     const char* const both[2] = {names[0].text, names[1].text};
     bsp::EdgePins& pins = wheels_[side].pins;
     const char* const why = pins.find(both, 2);
-    tell_failure(all, both[0], why != nullptr ? why : pins.open(bsp::EdgeKind::kBoth, kUser));
+    tell_failure(both[0], why != nullptr ? why : pins.open(bsp::EdgeKind::kBoth, kUser));
   }
-  return all;
 }
 
 void Pins::close() {

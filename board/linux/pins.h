@@ -1,4 +1,4 @@
-// What the device's pins say and hear: the roles that the configuration gives them.
+// Inputs and outputs of the device's header pins, by the roles that the configuration assigns.
 //   HEALTH     high while tracking is good; low in the frame that is not, and when none comes
 //   SYNC_OUT   a pulse at the middle of each exposure
 //   SYNC_IN    an event, given out with the pose at its time; or a pulse per second
@@ -9,8 +9,7 @@
 // Out     Edges and wheel samples to App::deliver, so that a recording holds them. SyncEvent: an
 //         edge of SYNC_IN and the pose at its time.
 // Units   ns on CLOCK_MONOTONIC.
-// Errors  open: a pin that cannot be had is told by name and is left out; false: there was one. All
-//         else is counted.
+// Errors  open: a pin that cannot be had is told by name and is left out. All else is counted.
 // Cost    An idle poll: a system call a pin that is read.
 // Source  bsp/linux/pins.h; docs/device.md, "Pins".
 #pragma once
@@ -58,7 +57,7 @@ static_assert(every_counter_is_in(kPinCounterRows));
 
 class Pins {
  public:
-  bool open(const PinSettings& settings, bool urgent, const bsp::DeviceNews& news,
+  void open(const PinSettings& settings, bool urgent, const bsp::DeviceNews& news,
             const PinSinks& sinks);
   void close();
 
@@ -84,7 +83,7 @@ class Pins {
     uint32_t missed_told = 0;
   };
 
-  void tell_failure(bool& all, const char* pin, const char* why);
+  void tell_failure(const char* pin, const char* why);
   void set_health(bool good);
   void judge_health(const Pose& pose);
   void poll_sync_in();

@@ -22,7 +22,7 @@ constexpr int kSeenMax = 4 * stream::kPointsMax;
 const char* StreamOutput::open(bsp::Endpoint own, const App& app,
                                void (*for_each_counter)(VisitValue, void*)) {
   const Result<bsp::Socket> socket = bsp::datagram_open(own);
-  if (!socket.ok()) return "cannot listen there: the port is taken, or not ours to take";
+  if (!socket.ok()) return "cannot bind that address and port: in use, or no permission";
   socket_ = socket.value();
   open_ = true;
   app_ = &app;

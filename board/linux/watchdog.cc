@@ -64,7 +64,7 @@ void Watchdog::poll() {
   if (t < next_t_) return;
   next_t_ = t + kEvery_ns;
   if (const char* const task = bsp::stuck_task(kHang_ns)) {
-    teller_.tell(task, "this task hangs: the watchdog is not told any more");
+    teller_.tell(task, "this task hangs: the watchdog is no longer kicked");
     return;
   }
   if (node_ >= 0) (void)!write(node_, "k", 1);

@@ -1,9 +1,9 @@
-// Tells the machine that the device is alive: a watchdog of the hardware, and systemd. Whoever is
-// not told any more restarts the board, or the program.
+// Kicks the hardware watchdog and systemd's while all tasks run. When the kicks stop, the hardware
+// restarts the board, and systemd restarts the program.
 // In      open(): a node like /dev/watchdog0, or "" for none; systemd is found by NOTIFY_SOCKET.
 //         ready(): once images and samples come. poll(): as often as core 0 comes round.
-// Out     Nothing is told while a task hangs for kHang_ns, but which one, to `news`.
-// Errors  open: nullptr, or why the node cannot be had; systemd is told all the same.
+// Out     While a task hangs for longer than kHang_ns neither is kicked, and `news` names the task.
+// Errors  open: nullptr, or why the node cannot be opened; systemd is notified all the same.
 // Cost    A few clock readings; twice a second, two system calls.
 // Source  kernel, Documentation/watchdog/watchdog-api.rst; sd_notify(3).
 #pragma once

@@ -1,5 +1,5 @@
-// Puts what was written to the disk, once a second, from a thread of its own: after a power cut no
-// more than the last second is missing. No writer waits for it.
+// Flushes written data to the disk once a second, from a thread of its own: a power cut loses no
+// more than the last second. No writer waits for it.
 // In      start(): a folder on the file system; it must stay valid.
 // Errors  start: kNotFound: no such folder; kBusFault: no thread.
 // Cost    syncfs() once a second: as long as the disk takes for what is new.

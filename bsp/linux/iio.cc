@@ -9,6 +9,7 @@
 #include <cstring>
 
 #include "bsp/api/clock.h"
+#include "bsp/linux/sysfs.h"
 #include "core/base/number.h"
 #include "core/base/text.h"
 
@@ -27,23 +28,6 @@ std::string_view trimmed(const char* text) {
   std::string_view out(text);
   while (!out.empty() && (out.back() == '\n' || out.back() == ' ')) out.remove_suffix(1);
   return out;
-}
-
-bool read_text(const char* path, char* out, int max) {
-  const int fd = open(path, O_RDONLY | O_CLOEXEC);
-  if (fd < 0) return false;
-  const ssize_t got = read(fd, out, static_cast<size_t>(max - 1));
-  close(fd);
-  out[got > 0 ? got : 0] = 0;
-  return got >= 0;
-}
-
-bool write_text(const char* path, const char* text) {
-  const int fd = open(path, O_WRONLY | O_TRUNC | O_CLOEXEC);
-  if (fd < 0) return false;
-  const auto size = static_cast<ssize_t>(std::strlen(text));
-  const bool good = write(fd, text, static_cast<size_t>(size)) == size;
-  return close(fd) == 0 && good;
 }
 
 // The names in an open folder, without the heap that readdir() needs: a device may come back at any
@@ -126,7 +110,7 @@ bool IioImu::path_of(const char* file, char* out) const {
 
 bool IioImu::read_file(const char* file, char* out, int max) const {
   char path[kPathMax];
-  return path_of(file, path) && read_text(path, out, max);
+  return path_of(file, path) && bsp::read_file(path, out, static_cast<size_t>(max));
 }
 
 // Keeps what stood there, for close().
@@ -140,7 +124,7 @@ bool IioImu::set_file(const char* file, const char* text) {
   const std::string_view kept = trimmed(before);
   std::memcpy(saved.text, kept.data(), kept.size());
   saved.text[kept.size()] = 0;
-  if (!write_text(saved.path, text)) return false;
+  if (!write_file(saved.path, text)) return false;
   ++saved_count_;
   return true;
 }
@@ -149,7 +133,7 @@ void IioImu::close() {
   // Last first: the buffer is off before its elements change. Then others may have the node.
   while (saved_count_ > 0) {
     const Saved& saved = saved_[--saved_count_];
-    (void)write_text(saved.path, saved.text);  // an unplugged one has no files
+    (void)write_file(saved.path, saved.text);  // an unplugged one has no files
   }
   if (fd_ >= 0) ::close(fd_);
   fd_ = -1;

@@ -1,23 +1,17 @@
 #include "bsp/linux/pulse_thread.h"
 
 #include <sched.h>
-#include <time.h>
 
 #include <algorithm>
 
 #include "bsp/api/clock.h"
+#include "bsp/linux/clock.h"
 
 namespace pirvs::bsp {
 namespace {
 
 constexpr TimeNs kRest_ns = 20'000'000;   // between looks for a plan
 constexpr TimeNs kSettle_ns = 1'500'000;  // before a pulse: the newest plan is taken once more
-constexpr TimeNs kSecond_ns = 1'000'000'000;
-
-void sleep_until(TimeNs t) {
-  const timespec until = {static_cast<time_t>(t / kSecond_ns), static_cast<long>(t % kSecond_ns)};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) continue;
-}
 
 }  // namespace
 

@@ -1,24 +1,18 @@
 #include "bsp/linux/pwm_trigger.h"
 
 #include <errno.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cstring>
 
 #include "bsp/api/clock.h"
+#include "bsp/linux/clock.h"
 #include "bsp/linux/sysfs.h"
 
 namespace pirvs::bsp {
 namespace {
 
-constexpr TimeNs kSecond_ns = 1'000'000'000;
 constexpr size_t kNumberMax = 32;
-
-void sleep_until(TimeNs t) {
-  const timespec until = {static_cast<time_t>(t / kSecond_ns), static_cast<long>(t % kSecond_ns)};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) == EINTR) continue;
-}
 
 }  // namespace
 

@@ -4,6 +4,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <sstream>
+#include <utility>
 
 #include "modules/calibration/calibration_text.h"
 #include "tests/recordings.h"
@@ -137,25 +138,17 @@ DeviceRun run_with_pins(bool icm20602, bool faults) {
   return run_guest(fed_recording(), setup);
 }
 
+const DeviceRun& shared_run(bool icm20602, bool faults) {
+  static std::map<std::pair<bool, bool>, DeviceRun> runs;
+  const auto key = std::make_pair(icm20602, faults);
+  if (runs.count(key) == 0) runs[key] = run_with_pins(icm20602, faults);
+  return runs[key];
+}
+
 }  // namespace
 
-const DeviceRun& good_run(bool icm20602) {
-  if (icm20602) {
-    static const DeviceRun chip = run_with_pins(true, false);
-    return chip;
-  }
-  static const DeviceRun iio = run_with_pins(false, false);
-  return iio;
-}
-
-const DeviceRun& faulty_run(bool icm20602) {
-  if (icm20602) {
-    static const DeviceRun chip = run_with_pins(true, true);
-    return chip;
-  }
-  static const DeviceRun iio = run_with_pins(false, true);
-  return iio;
-}
+const DeviceRun& good_run(bool icm20602) { return shared_run(icm20602, false); }
+const DeviceRun& faulty_run(bool icm20602) { return shared_run(icm20602, true); }
 
 const tools::Recording& fed_recording() {
   static const tools::Recording recording = [] {

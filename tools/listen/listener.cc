@@ -1,6 +1,5 @@
 #include "tools/listen/listener.h"
 
-#include <netdb.h>
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -12,11 +11,12 @@
 
 #include "bsp/api/clock.h"
 #include "tools/dataset/input_error.h"
+#include "tools/network/resolve.h"
 
 namespace pirvs::tools {
 namespace {
 
-constexpr const char* kPort = "14560";
+constexpr int kPort = 14560;
 constexpr char kFileMagic[8] = {'P', 'V', 'S', 'T', 'R', 'E', 'A', '1'};
 constexpr TimeNs kSecond_ns = 1'000'000'000;
 constexpr uint16_t kLease_s = 5;
@@ -33,12 +33,7 @@ Listener::Listener(const std::string& from, uint32_t kinds) : kinds_(kinds) {
     if (file_ != nullptr) std::fclose(file_);
     throw InputError("not a recorded stream", from, "give a file of `pirvs listen --record`");
   }
-  const size_t colon = from.rfind(':');
-  if (colon == std::string::npos) {
-    connect_to(from, kPort);
-  } else {
-    connect_to(from.substr(0, colon), from.substr(colon + 1));
-  }
+  connect_to(from);
 }
 
 Listener::~Listener() {
@@ -52,21 +47,13 @@ Listener::~Listener() {
   if (record_ != nullptr) std::fclose(record_);
 }
 
-void Listener::connect_to(const std::string& host, const std::string& port) {
-  addrinfo hints{};
-  hints.ai_family = AF_INET;
-  hints.ai_socktype = SOCK_DGRAM;
-  addrinfo* found = nullptr;
-  const int error = getaddrinfo(host.c_str(), port.c_str(), &hints, &found);
-  if (error != 0) {
-    throw InputError(std::string("no such device or file, ") + gai_strerror(error), host,
-                     "on USB it is 192.168.7.1");
-  }
+void Listener::connect_to(const std::string& device) {
+  const Addresses addresses = resolve(device, kPort, SOCK_DGRAM);
   fd_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const bool connected = fd_ >= 0 && connect(fd_, found->ai_addr, found->ai_addrlen) == 0;
-  const std::string why = std::strerror(errno);
-  freeaddrinfo(found);
-  if (!connected) throw InputError("cannot be reached, " + why, host, "is its network up?");
+  if (fd_ < 0 || connect(fd_, addresses->ai_addr, addresses->ai_addrlen) != 0) {
+    throw InputError(std::string("cannot be reached, ") + std::strerror(errno), device,
+                     "is its network up?");
+  }
   const int room = 4 << 20;  // while this program writes files
   (void)setsockopt(fd_, SOL_SOCKET, SO_RCVBUF, &room, sizeof room);
 }

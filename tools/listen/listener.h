@@ -48,7 +48,7 @@ class Listener {
   const ClockOffset& clock() const { return clock_; }
 
  private:
-  void connect_to(const std::string& host, const std::string& port);
+  void connect_to(const std::string& device);
   void ask(TimeNs now);
   bool receive(Datagram& out, TimeNs patience_ns);
   bool read(Datagram& out);

@@ -1,6 +1,5 @@
 #include "tools/update/device_link.h"
 
-#include <netdb.h>
 #include <netinet/in.h>
 #include <netinet/tcp.h>
 #include <poll.h>
@@ -11,32 +10,13 @@
 #include <cerrno>
 #include <cstring>
 #include <fstream>
-#include <memory>
 #include <vector>
 
 #include "tools/dataset/input_error.h"
+#include "tools/network/resolve.h"
 
 namespace pirvs::tools {
 namespace {
-
-using Addresses = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
-
-Addresses find(const std::string& host) {
-  const size_t colon = host.rfind(':');
-  const std::string name = host.substr(0, colon);
-  const std::string port =
-      colon == std::string::npos ? std::to_string(kUpdatePort) : host.substr(colon + 1);
-  addrinfo wanted{};
-  wanted.ai_family = AF_INET;
-  wanted.ai_socktype = SOCK_STREAM;
-  addrinfo* found = nullptr;
-  const int why = getaddrinfo(name.c_str(), port.c_str(), &wanted, &found);
-  if (why != 0) {
-    throw InputError(std::string("no such host: ") + gai_strerror(why), host,
-                     "name the device, pirvs.local, or its address, 192.168.7.1");
-  }
-  return Addresses(found, &freeaddrinfo);
-}
 
 void set_silence(int fd, int option, int seconds) {
   const timeval limit = {seconds, 0};
@@ -55,7 +35,7 @@ void keep_alive(int fd) {
 }  // namespace
 
 DeviceLink::DeviceLink(const std::string& host) : host_(host) {
-  const Addresses addresses = find(host);
+  const Addresses addresses = resolve(host, kUpdatePort, SOCK_STREAM);
   fd_ = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   if (fd_ < 0) throw LinkError(std::strerror(errno));
   set_silence(fd_, SO_SNDTIMEO, kConnect_s_max);  // of connect, too

@@ -1,5 +1,5 @@
-// An external clock by its pulse per second: how fast it runs against ours, and where its seconds
-// begin.
+// Follows an external clock by its pulse per second: its rate against our clock, and when its
+// seconds begin.
 // In      add(): our time of each pulse, in order.
 // Out     rate_ppb(): by how much our clock is fast; second_t(): when its last second began, by a
 //         line through the last kKept pulses; noise_ns(): their rms about that line.

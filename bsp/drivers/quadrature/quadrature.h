@@ -1,4 +1,4 @@
-// An incremental encoder by the edges of its two pins: which way it turned, and how far.
+// Quadrature decoder: counts the ticks of an incremental encoder from the edges of its two pins.
 // In      add(): each edge in order, its pin (0 A, 1 B) and the level after it; lost(): edges were
 //         lost before the next one.
 // Out     ticks(): four a period, growing while A leads B.

@@ -12,7 +12,6 @@
 #include <sched.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 
 #include <cmath>
@@ -22,6 +21,7 @@
 #include <iterator>
 
 #include "bsp/api/clock.h"
+#include "bsp/linux/clock.h"
 #include "bsp/replay/pack.h"
 
 namespace pirvs {
@@ -223,11 +223,6 @@ class ImuFeed {
   size_t fault_ = 0;
 };
 
-void sleep_until(TimeNs t) {
-  const timespec until = {static_cast<time_t>(t / 1'000'000'000), t % 1'000'000'000};
-  while (clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, nullptr) != 0) continue;
-}
-
 void write_file(const char* path, const char* text) {
   const int fd = open(path, O_WRONLY);
   if (fd < 0 || write(fd, text, std::strlen(text)) < 0) std::perror(path);
@@ -296,7 +291,7 @@ void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed)
   while (cursor.next([&](uint32_t i) { return pack.frame(i).t; }, index, t)) {
     const StereoFrame frame = pack.frame(index);
     imu.feed(t + kAhead_ns, fed);
-    sleep_until(t + shift + kTransfer_ns);
+    bsp::sleep_until(t + shift + kTransfer_ns);
     for (int c = 0; c < kCamerasMax; ++c) {
       feed_image(cameras[c], fault_at(fed.frames, c), t + shift, frame.image[c].data, fed);
     }
@@ -304,7 +299,7 @@ void feed_all(const bsp::Pack& pack, const Loops& loops, TimeNs shift, Fed& fed)
   }
   imu.feed(INT64_MAX, fed);
   constexpr TimeNs kAfter_ns = 100'000'000;
-  sleep_until(imu.ahead() + shift + kAfter_ns);
+  bsp::sleep_until(imu.ahead() + shift + kAfter_ns);
 }
 
 int feed(const char* path) {
