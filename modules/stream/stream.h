@@ -1,5 +1,5 @@
-// Encodes and decodes the device's datagrams. docs/device.md, "Stream", describes the same format as
-// a table, for programs that are not ours.
+// Encodes and decodes the datagrams of the device. docs/device.md, "Stream", describes the same
+// format as a table, for programs that are not ours.
 //
 // Every datagram begins with 16 bytes: magic "PVS1" (the format's version in it), kind, flags (0),
 // part and parts (2 bytes each): a message longer than a datagram comes in parts; sequence: counted

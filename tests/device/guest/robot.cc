@@ -146,8 +146,12 @@ int main(int argc, char** argv) {
     poll(&ready, 1, 100);
     note(fd, seen, lost);
   }
-  usleep(500'000);
-  note(fd, seen, lost);
+  // It still watches when pirvsd ends.
+  for (const int64_t watched = now() + 3 * kSecond; now() < watched;) {
+    pollfd ready{fd, POLLIN, 0};
+    poll(&ready, 1, 100);
+    note(fd, seen, lost);
+  }
   std::printf("wheel %u\nlost %u\n", player.ticks(), lost);
   const sched_param none{0};
   (void)sched_setscheduler(0, SCHED_OTHER, &none);
