@@ -303,6 +303,16 @@ void close_pins() {
   pins.close();
 }
 
+// Without it there would be no images.
+bool start_cameras_trigger() {
+  TriggerSetup setup = settings.trigger;
+  setup.pin = settings.pins.trigger.text;
+  setup.urgent = settings.realtime;
+  const char* const why = start_trigger(setup);
+  if (why != nullptr) say(setup.pin[0] != 0 ? setup.pin : "trigger", why);
+  return why == nullptr;
+}
+
 bool start_record() {
   if (settings.record.text[0] == 0) return true;
   (void)mkdir(settings.record.text, 0755);  // app.record() tells when this was in vain
@@ -418,10 +428,7 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
-  if (const char* const why = start_trigger(settings.trigger)) {
-    say("trigger", why);
-    return kExitBadInput;
-  }
+  if (!start_cameras_trigger()) return kExitBadInput;
   start_links();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
