@@ -361,6 +361,7 @@ constexpr Key kKeys[] = {
     {"pin.wheel_right",
      [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[1]); }},
     {"record", [](std::string_view v, Settings& out) { return read_text(v, out.record); }},
+    {"recordings", [](std::string_view v, Settings& out) { return read_text(v, out.recordings); }},
     {"watchdog", [](std::string_view v, Settings& out) { return read_text(v, out.watchdog); }},
     {"realtime",
      [](std::string_view v, Settings& out) -> const char* {
@@ -386,6 +387,11 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   if (parameter.empty()) return "no such key";
   const ParamAnswer answer = set_parameter(settings.params, parameter, value);
   return answer.ok() ? nullptr : name(answer.status);
+}
+
+const char* folder_of(const Settings& settings) {
+  if (settings.record.text[0] != 0) return settings.record.text;
+  return settings.recordings.text[0] != 0 ? settings.recordings.text : ".";
 }
 
 int isp_of(const SettingText& camera) {
@@ -432,6 +438,9 @@ ConfigFault find_missing(const Settings& settings) {
   }
   if (settings.imu_is_on_i2c && settings.imu_data_ready.text[0] == 0) {
     return {0, "an IMU on I2C needs the pin of its interrupt", "imu.data_ready"};
+  }
+  if (settings.record.text[0] != 0 && settings.recordings.text[0] != 0) {
+    return {0, "record names their folder already", "recordings"};
   }
   return find_trigger_fault(settings);
 }

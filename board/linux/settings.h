@@ -43,7 +43,8 @@
 //           pin.sync_in_edge = rising            falling or both
 //           pin.sync_in_as = event               or pps: a pulse per second
 //           pin.wheel_left = PIN_A, PIN_B        an encoder; pin.wheel_right likewise
-//           record = DIR                         everything sensed, as an ASL folder
+//           record = DIR                         all from the start on, as an ASL folder
+//           recordings = DIR                     instead of record: for those by command, and maps
 //           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
 //           watchdog = /dev/watchdog0            of the hardware; systemd's needs no setting
 //           parameter.GROUP.NAME = VALUE         as pirvs params lists them
@@ -100,7 +101,7 @@ struct Settings {
   bool has_stream = false;
   bsp::Endpoint stream;
   PinSettings pins;
-  SettingText record;
+  SettingText record, recordings;
   bool realtime = true;
   SettingText watchdog;
   AppParams params;
@@ -112,6 +113,8 @@ inline constexpr size_t kSettingsTextMax = 16'384;
 // One `key=value`, as a line of the file: nullptr, or what is wrong. For the command line.
 [[nodiscard]] const char* set_setting(Settings& settings, std::string_view key,
                                       std::string_view value);
+// Where recordings and maps go.
+const char* folder_of(const Settings& settings);
 // Which of the board's ISPs a camera is, -1: a node.
 int isp_of(const SettingText& camera);
 // What follows from several keys: no exposure outlasts the trigger's period.

@@ -199,6 +199,21 @@ TEST(Settings, ATriggerIsAPinOrAPwmAndHasARate) {
   EXPECT_FLOAT_EQ(out.params.exposure.longest_s, 0.005f) << "its period without the readout";
 }
 
+TEST(Settings, RecordingsHaveOneFolderAndMayWaitForACommand) {
+  Settings out;
+  ASSERT_FALSE(read_settings(kWhole, out));
+  EXPECT_STREQ(folder_of(out), ".");
+  ASSERT_EQ(set_setting(out, "recordings", "/recordings"), nullptr);
+  EXPECT_STREQ(folder_of(out), "/recordings");
+  EXPECT_STREQ(out.record.text, "") << "nothing starts by itself";
+  EXPECT_FALSE(find_missing(out));
+  ASSERT_EQ(set_setting(out, "record", "/tmp/flight"), nullptr);
+  EXPECT_EQ(find_missing(out).key, "recordings");
+  out.recordings = {};
+  EXPECT_FALSE(find_missing(out));
+  EXPECT_STREQ(folder_of(out), "/tmp/flight");
+}
+
 TEST(Settings, WhatIsMissingIsNamed) {
   Settings out;
   ASSERT_FALSE(read_settings("camera.left = /dev/video0\ncalibration = c.cfg\n", out));
