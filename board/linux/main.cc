@@ -111,6 +111,8 @@ void on_sync_in(void*, const SyncEvent& event) {
   stream_output.event(event);
 }
 
+void on_pps(void*, const bsp::Pps& pps) { stream_output.pps(pps); }
+
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   pins.health(state);
   stream_output.health(t, state, what);
@@ -295,6 +297,7 @@ void open_pins() {
   PinSinks sinks;
   sinks.deliver = [](void*, const Arrival& arrival) { return app.deliver(arrival); };
   sinks.event = on_sync_in;
+  sinks.pps = on_pps;
   pins.open(settings.pins, settings.realtime, {nullptr, on_news}, sinks);
   if (pins.sync_in_fd() >= 0) (void)bsp::watch_fd(0, pins.sync_in_fd());
 }

@@ -102,8 +102,16 @@ void Pins::poll_sync_in() {
     if (status != Status::kOk && status != Status::kFull) return;
     ++counters_.sync_in_edges;
     deliver(arrival_of(edge, status == Status::kFull));
-    if (settings_.sync_in_is_pps && !pps_.add(edge.t)) ++counters_.pps_odd;
+    if (settings_.sync_in_is_pps) take_pps(edge.t);
     if (!events_.push(edge)) ++counters_.sync_in_late;
+  }
+}
+
+void Pins::take_pps(TimeNs t) {
+  if (!pps_.add(t)) {
+    ++counters_.pps_odd;
+  } else if (pps_.known() && sinks_.pps != nullptr) {
+    sinks_.pps(sinks_.context, pps_);
   }
 }
 

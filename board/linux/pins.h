@@ -36,6 +36,7 @@ struct PinSinks {
   void* context = nullptr;
   Status (*deliver)(void*, const Arrival&) = nullptr;
   void (*event)(void*, const SyncEvent&) = nullptr;
+  void (*pps)(void*, const bsp::Pps&) = nullptr;  // each pulse from which a clock is known
 };
 
 struct PinCounters {
@@ -87,6 +88,7 @@ class Pins {
   void set_health(bool good);
   void judge_health(const Pose& pose);
   void poll_sync_in();
+  void take_pps(TimeNs t);
   void poll_wheels();
   void give_events(const Pose* pose);
   void deliver(const Arrival& arrival);
