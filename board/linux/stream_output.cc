@@ -231,7 +231,10 @@ void StreamOutput::send_points() {
 void StreamOutput::poll() {
   if (!open_) return;
   now_ = bsp::now();
-  take_requests();
+  if (bsp::take_ready(0, bsp::datagram_fd(socket_)) || now_ >= look_t_) {
+    look_t_ = now_ + kLook_ns;
+    take_requests();
+  }
   if (now_ >= counters_t_ && anybody_wants(Kind::kCounters)) {
     counters_t_ = now_ + kSecond_ns;
     send_counters();

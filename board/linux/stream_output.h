@@ -5,7 +5,8 @@
 //         they come, counters once a second, points and thumbnails twice.
 // Errors  open: nullptr, or why not. More than kSubscribersMax: refused and counted. Datagrams that
 //         are no requests, or have no room on their way: counted.
-// Cost    A pose ~5 us a subscriber, its system call. Nothing is made that nobody wants.
+// Cost    A pose ~5 us a subscriber, its system call. Nothing is made that nobody wants. Requests
+//         are looked for when the wait of core 0 ended by them, and every kLook_ns.
 // Source  docs/device.md, "Stream".
 #pragma once
 
@@ -33,6 +34,7 @@ class StreamOutput {
  public:
   static constexpr int kSubscribersMax = 4;
   static constexpr int kLeaseMax_s = 60;
+  static constexpr TimeNs kLook_ns = 10'000'000;
 
   const char* open(bsp::Endpoint own, const App& app,
                    void (*for_each_counter)(VisitValue, void* context));
@@ -72,6 +74,7 @@ class StreamOutput {
   bsp::Socket socket_;
   Subscriber subscribers_[kSubscribersMax];
   TimeNs now_ = 0;                                          // of the last poll
+  TimeNs look_t_ = 0;                                       // for requests, at the latest
   TimeNs counters_t_ = 0, points_t_ = 0, thumbnail_t_ = 0;  // of the next ones
   StreamCounters counters_;
   uint8_t bytes_[stream::kMax];
