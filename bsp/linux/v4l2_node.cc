@@ -386,7 +386,6 @@ Status V4l2Node::take(V4l2Image& out) {
     PIRVS_ASSERT(index < buffer_count_ && !buffers_[index].lent);
     const TimeNs arrival = now();
     came_t_ = arrival;
-    gave_ = true;
     if (stalls_) teller_.tell(setup_.path, "camera gives images again");
     stalls_ = false;
     read_frame_syncs();
@@ -411,6 +410,7 @@ Status V4l2Node::take(V4l2Image& out) {
       continue;
     }
     buffers_[index].lent = true;
+    gave_ = true;
     ++counters_.images;
     const int stride = lends_as_it_is() ? stride_ : setup_.width;
     out = {grey, stride, t, arrival, exposure_ns_, buffer.sequence, index};

@@ -124,7 +124,7 @@ TEST(device_exposure, a_pin_triggers_half_an_exposure_before_the_grid) {
   // Later commands than the sensor's delay wants, or another program's, show in the image itself.
   const auto known = [&](TimeNs point) {
     const auto image = static_cast<size_t>((point - exposures.begin()->first) / kPeriod);
-    return image > 2 && (image <= kMeddle || image > kMeddle + 3);
+    return image > 2 && (image < kMeddle || image > kMeddle + 3);
   };
   std::vector<TimeNs> off;
   TimeNs least = INT64_MAX, most = 0;
