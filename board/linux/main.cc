@@ -3,7 +3,6 @@
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -13,6 +12,7 @@
 #include "board/linux/image_share.h"
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
+#include "board/linux/recordings.h"
 #include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
 #include "board/linux/stream_output.h"
@@ -21,9 +21,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
-#include "bsp/linux/disk_sync.h"
 #include "bsp/linux/events.h"
-#include "bsp/linux/storage.h"
 #include "bsp/linux/text_file.h"
 #include "core/base/text.h"
 #include "modules/calibration/calibration_check.h"
@@ -57,7 +55,7 @@ PoseOutput poses;
 Pins pins;
 StreamOutput stream_output;
 Watchdog watchdog;
-bsp::DiskSync disk_sync;
+Recordings recordings;
 SerialLink serial;
 ImageShare images;
 Calibration calibration;
@@ -88,7 +86,10 @@ void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 
-void on_answer(void*, const Answer& answer) { serial.answer(answer); }
+void on_answer(void*, const Answer& answer) {
+  recordings.answer(answer);
+  serial.answer(answer);
+}
 
 TimeNs frame_taken_t = INT64_MIN / 2;  // on our clock
 
@@ -109,6 +110,8 @@ void on_sync_in(void*, const SyncEvent& event) {
   poses.event(event);
   stream_output.event(event);
 }
+
+void on_pps(void*, const bsp::Pps& pps) { stream_output.pps(pps); }
 
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   pins.health(state);
@@ -294,6 +297,7 @@ void open_pins() {
   PinSinks sinks;
   sinks.deliver = [](void*, const Arrival& arrival) { return app.deliver(arrival); };
   sinks.event = on_sync_in;
+  sinks.pps = on_pps;
   pins.open(settings.pins, settings.realtime, {nullptr, on_news}, sinks);
   if (pins.sync_in_fd() >= 0) (void)bsp::watch_fd(0, pins.sync_in_fd());
 }
@@ -303,14 +307,20 @@ void close_pins() {
   pins.close();
 }
 
+// Without it there would be no images.
+bool start_cameras_trigger() {
+  TriggerSetup setup = settings.trigger;
+  setup.pin = settings.pins.trigger.text;
+  setup.urgent = settings.realtime;
+  const char* const why = start_trigger(setup);
+  if (why != nullptr) say(setup.pin[0] != 0 ? setup.pin : "trigger", why);
+  return why == nullptr;
+}
+
 bool start_record() {
-  if (settings.record.text[0] == 0) return true;
-  (void)mkdir(settings.record.text, 0755);  // app.record() tells when this was in vain
-  bsp::set_storage_directory(settings.record.text);
-  (void)disk_sync.start(settings.record.text);
-  const Status status = app.record();
-  if (status != Status::kOk) say(settings.record.text, "cannot record there");
-  return status == Status::kOk;
+  const char* const why = recordings.start(settings, app);
+  if (why != nullptr) say(folder_of(settings), why);
+  return why == nullptr;
 }
 
 // ---- the end -----------------------------------------------------------------------------------
@@ -346,6 +356,7 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
   named("output", "lines", poses.written());
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
+  named("disk", "flushes", recordings.flushes());
   named("heap", "calls", heap::calls());
   named("heap", "calls_after_start", heap::calls_after_start());
 }
@@ -418,10 +429,7 @@ int run() {
     say("output.poses", "no socket for the datagrams");
     return kExitBadInput;
   }
-  if (const char* const why = start_trigger(settings.trigger)) {
-    say("trigger", why);
-    return kExitBadInput;
-  }
+  if (!start_cameras_trigger()) return kExitBadInput;
   start_links();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
@@ -450,7 +458,7 @@ int run() {
   say_counters();
   end_links();
   poses.close();
-  disk_sync.stop();
+  recordings.stop();
   close_pins();
   stream_output.close();
   watchdog.close();

@@ -2,6 +2,7 @@
 
 #include "bsp/api/clock.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/events.h"
 #include "modules/output/pose_at.h"
 
 namespace pirvs::board {
@@ -49,6 +50,7 @@ void Pins::open(const PinSettings& settings, bool urgent, const bsp::DeviceNews&
     bsp::EdgePins& pins = wheels_[side].pins;
     const char* const why = pins.find(both, 2);
     tell_failure(both[0], why != nullptr ? why : pins.open(bsp::EdgeKind::kBoth, kUser));
+    any_wheel_ |= pins.is_open();
   }
 }
 
@@ -95,15 +97,25 @@ void Pins::deliver(const Arrival& arrival) {
   if (sinks_.deliver(sinks_.context, arrival) != Status::kOk) ++counters_.not_delivered;
 }
 
-void Pins::poll_sync_in() {
+void Pins::read_sync_in() {
+  if (!sync_in_.is_open()) return;
+  look_t_ = bsp::now() + kLook_ns;
   bsp::GpioEdge edge;
   for (;;) {
     const Status status = sync_in_.poll(edge);
     if (status != Status::kOk && status != Status::kFull) return;
     ++counters_.sync_in_edges;
     deliver(arrival_of(edge, status == Status::kFull));
-    if (settings_.sync_in_is_pps && !pps_.add(edge.t)) ++counters_.pps_odd;
+    if (settings_.sync_in_is_pps) take_pps(edge.t);
     if (!events_.push(edge)) ++counters_.sync_in_late;
+  }
+}
+
+void Pins::take_pps(TimeNs t) {
+  if (!pps_.add(t)) {
+    ++counters_.pps_odd;
+  } else if (pps_.known() && sinks_.pps != nullptr) {
+    sinks_.pps(sinks_.context, pps_);
   }
 }
 
@@ -128,13 +140,16 @@ void Pins::give_events(const Pose* pose) {
 
 void Pins::pose(const Pose& pose) {
   judge_health(pose);
+  read_sync_in();
   give_events(&pose);
   last_pose_ = pose;
   has_last_pose_ = true;
 }
 
 void Pins::poll_wheels() {
-  bool any = false;
+  const TimeNs now = bsp::now();
+  if (!any_wheel_ || now < wheel_look_t_) return;
+  wheel_look_t_ = now + kLook_ns;
   for (Wheel& wheel : wheels_) {
     bsp::GpioEdge edge;
     for (;;) {
@@ -144,12 +159,10 @@ void Pins::poll_wheels() {
       wheel.encoder.add(wheel.pins.index_of(edge.pin), edge.level);
       ++counters_.wheel_edges;
     }
-    any |= wheel.pins.is_open();
     counters_.wheel_missed += wheel.encoder.missed() - wheel.missed_told;
     wheel.missed_told = wheel.encoder.missed();
   }
-  const TimeNs now = bsp::now();
-  if (!any || now < wheel_t_) return;
+  if (now < wheel_t_) return;
   WheelSample sample;
   sample.t = now;
   sample.kind = WheelKind::kTicks;
@@ -161,7 +174,8 @@ void Pins::poll_wheels() {
 }
 
 void Pins::poll() {
-  if (sync_in_.is_open()) poll_sync_in();
+  const bool due = bsp::take_ready(0, sync_in_.fd()) || bsp::now() >= look_t_;
+  if (due) read_sync_in();
   if (events_.size() > 0) give_events(nullptr);
   poll_wheels();
   if (!healthy_) return;

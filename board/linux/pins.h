@@ -10,7 +10,8 @@
 //         edge of SYNC_IN and the pose at its time.
 // Units   ns on CLOCK_MONOTONIC.
 // Errors  open: a pin that cannot be had is told by name and is left out. All else is counted.
-// Cost    An idle poll: a system call a pin that is read.
+// Cost    SYNC_IN: a system call when the wait of core 0 ended by an edge, one a pose, so that no
+//         edge misses the one after it, and one every kLook_ns; wheels: one a pin every kLook_ns.
 // Source  bsp/linux/pins.h; docs/device.md, "Pins".
 #pragma once
 
@@ -36,6 +37,7 @@ struct PinSinks {
   void* context = nullptr;
   Status (*deliver)(void*, const Arrival&) = nullptr;
   void (*event)(void*, const SyncEvent&) = nullptr;
+  void (*pps)(void*, const bsp::Pps&) = nullptr;  // each pulse from which a clock is known
 };
 
 struct PinCounters {
@@ -74,6 +76,7 @@ class Pins {
 
  private:
   static constexpr TimeNs kWheelPeriod_ns = 20'000'000;
+  static constexpr TimeNs kLook_ns = 10'000'000;  // the kernel keeps 51 ms of an encoder's 20 kHz
   static constexpr TimeNs kNoPose_ns = 100'000'000;  // an event waits so long for the pose after it
   static constexpr int kEventsMax = 32;
 
@@ -86,7 +89,8 @@ class Pins {
   void tell_failure(const char* pin, const char* why);
   void set_health(bool good);
   void judge_health(const Pose& pose);
-  void poll_sync_in();
+  void read_sync_in();
+  void take_pps(TimeNs t);
   void poll_wheels();
   void give_events(const Pose* pose);
   void deliver(const Arrival& arrival);
@@ -106,13 +110,15 @@ class Pins {
   bsp::PulseThread sync_out_;
 
   bsp::EdgePins sync_in_;
+  TimeNs look_t_ = 0;  // for its edges, at the latest
   bsp::Pps pps_;
   Ring<bsp::GpioEdge, kEventsMax> events_;
   Pose last_pose_;
   bool has_last_pose_ = false;
 
   Wheel wheels_[2];
-  TimeNs wheel_t_ = 0;  // of the next sample
+  bool any_wheel_ = false;
+  TimeNs wheel_look_t_ = 0, wheel_t_ = 0;  // of the next look, and sample
 };
 
 }  // namespace pirvs::board

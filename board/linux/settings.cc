@@ -143,6 +143,7 @@ const char* read_trigger_rate(std::string_view value, Settings& out) {
     return "not a rate from 1 to 200 Hz";
   }
   out.trigger.timing.period_ns = static_cast<uint32_t>(from_seconds(1 / rate_hz));
+  out.has_trigger_rate = true;
   return nullptr;
 }
 
@@ -343,6 +344,8 @@ constexpr Key kKeys[] = {
     {"output.images", [](std::string_view v, Settings& out) { return read_text(v, out.images); }},
     {"pin.health", [](std::string_view v, Settings& out) { return read_text(v, out.pins.health); }},
     {"pin.health_confidence", read_confidence},
+    {"pin.trigger",
+     [](std::string_view v, Settings& out) { return read_text(v, out.pins.trigger); }},
     {"pin.sync_out",
      [](std::string_view v, Settings& out) { return read_text(v, out.pins.sync_out); }},
     {"pin.sync_out_us",
@@ -358,12 +361,17 @@ constexpr Key kKeys[] = {
     {"pin.wheel_right",
      [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[1]); }},
     {"record", [](std::string_view v, Settings& out) { return read_text(v, out.record); }},
+    {"recordings", [](std::string_view v, Settings& out) { return read_text(v, out.recordings); }},
     {"watchdog", [](std::string_view v, Settings& out) { return read_text(v, out.watchdog); }},
     {"realtime",
      [](std::string_view v, Settings& out) -> const char* {
        return read_yes_no(v, out.realtime) ? nullptr : "yes or no";
      }},
 };
+
+bool triggers(const Settings& settings) {
+  return settings.trigger.pwm_chip >= 0 || settings.pins.trigger.text[0] != 0;
+}
 
 }  // namespace
 
@@ -381,19 +389,42 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   return answer.ok() ? nullptr : name(answer.status);
 }
 
+const char* folder_of(const Settings& settings) {
+  if (settings.record.text[0] != 0) return settings.record.text;
+  return settings.recordings.text[0] != 0 ? settings.recordings.text : ".";
+}
+
 int isp_of(const SettingText& camera) {
   const std::string_view number = behind(camera.text, "isp:");
   return number.empty() ? -1 : number[0] - '0';
 }
 
 void finish_settings(Settings& settings) {
-  if (settings.trigger.pwm_chip < 0) return;
+  if (!triggers(settings)) return;
   ExposureParams& exposure = settings.params.exposure;
   const float period_s = static_cast<float>(to_seconds(settings.trigger.timing.period_ns));
   constexpr float kLeast_s = 1e-4f;  // as its row allows
   exposure.longest_s =
       std::clamp(period_s - exposure.readout_s, kLeast_s, std::max(kLeast_s, exposure.longest_s));
 }
+
+namespace {
+
+ConfigFault find_trigger_fault(const Settings& settings) {
+  if (!triggers(settings)) return {};
+  const bsp::TriggerTiming& timing = settings.trigger.timing;
+  const bool by_pin = settings.pins.trigger.text[0] != 0;
+  if (by_pin && settings.trigger.pwm_chip >= 0) {
+    return {0, "a pin and a PWM cannot both trigger the cameras", "pin.trigger"};
+  }
+  if (!settings.has_trigger_rate) return {0, "a trigger needs its rate", "trigger.rate_hz"};
+  if (by_pin && (timing.width_ns == 0 || timing.width_ns > timing.period_ns / 2)) {
+    return {0, "a pin's pulse is at most half a period long", "trigger.width_us"};
+  }
+  return {};
+}
+
+}  // namespace
 
 ConfigFault find_missing(const Settings& settings) {
   const struct {
@@ -408,7 +439,10 @@ ConfigFault find_missing(const Settings& settings) {
   if (settings.imu_is_on_i2c && settings.imu_data_ready.text[0] == 0) {
     return {0, "an IMU on I2C needs the pin of its interrupt", "imu.data_ready"};
   }
-  return {};
+  if (settings.record.text[0] != 0 && settings.recordings.text[0] != 0) {
+    return {0, "record names their folder already", "recordings"};
+  }
+  return find_trigger_fault(settings);
 }
 
 ConfigFault read_settings(std::string_view text, Settings& out) {

@@ -20,7 +20,7 @@
 //           camera.readout_us = 0                end of exposure to end of frame
 //           camera.left_events = /dev/v4l-subdev0    who sends FRAME_SYNC; right_events likewise
 //           trigger = none                       or pwm:CHIP.CHANNEL, of /sys/class/pwm
-//           trigger.rate_hz = 20
+//           trigger.rate_hz = 60                 needed with a trigger, by a PWM or a pin
 //           trigger.width_us = 1000
 //           imu = iio:0                          needed: number or name, iio:mpu6500; or
 //                                                icm20602:BUS or BUS:ADDRESS, icm20602:1:69
@@ -36,13 +36,15 @@
 //                                                127.0.0.1: programs of this machine
 //           pin.health = gpiochip2:11            high while tracking is good; or a line's name
 //           pin.health_confidence = 0.3          and its confidence is no lower
+//           pin.trigger = HEADER_15              drives the cameras, centred; instead of a PWM
 //           pin.sync_out = HEADER_7              a pulse at the middle of each exposure
 //           pin.sync_out_us = 500                its width
 //           pin.sync_in = HEADER_11              edges given out with the pose at their time
 //           pin.sync_in_edge = rising            falling or both
 //           pin.sync_in_as = event               or pps: a pulse per second
 //           pin.wheel_left = PIN_A, PIN_B        an encoder; pin.wheel_right likewise
-//           record = DIR                         everything sensed, as an ASL folder
+//           record = DIR                         all from the start on, as an ASL folder
+//           recordings = DIR                     instead of record: for those by command, and maps
 //           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
 //           watchdog = /dev/watchdog0            of the hardware; systemd's needs no setting
 //           parameter.GROUP.NAME = VALUE         as pirvs params lists them
@@ -73,7 +75,7 @@ struct SettingText {
 
 // Roles of the device's pins (board/linux/pins.h); a name that is empty: no such pin.
 struct PinSettings {
-  SettingText health, sync_out, sync_in;
+  SettingText health, trigger, sync_out, sync_in;
   SettingText wheel[2][2];  // left and right, pins A and B
   float health_confidence = 0.3f;
   TimeNs sync_out_width_ns = 500'000;
@@ -85,7 +87,8 @@ struct Settings {
   SettingText calibration;
   SettingText camera[kCamerasMax], camera_events[kCamerasMax], camera_sensor[kCamerasMax];
   bsp::V4l2StereoSetup stereo;  // without its cameras' paths and sizes
-  TriggerSetup trigger;
+  TriggerSetup trigger;         // without its pin
+  bool has_trigger_rate = false;
   SettingText imu;
   bsp::IioSetup iio;  // without its device
   bool imu_is_on_i2c = false;
@@ -98,7 +101,7 @@ struct Settings {
   bool has_stream = false;
   bsp::Endpoint stream;
   PinSettings pins;
-  SettingText record;
+  SettingText record, recordings;
   bool realtime = true;
   SettingText watchdog;
   AppParams params;
@@ -110,11 +113,13 @@ inline constexpr size_t kSettingsTextMax = 16'384;
 // One `key=value`, as a line of the file: nullptr, or what is wrong. For the command line.
 [[nodiscard]] const char* set_setting(Settings& settings, std::string_view key,
                                       std::string_view value);
+// Where recordings and maps go.
+const char* folder_of(const Settings& settings);
 // Which of the board's ISPs a camera is, -1: a node.
 int isp_of(const SettingText& camera);
 // What follows from several keys: no exposure outlasts the trigger's period.
 void finish_settings(Settings& settings);
-// What the file and the command line have left out.
+// What the file and the command line have left out, and what cannot be together.
 [[nodiscard]] ConfigFault find_missing(const Settings& settings);
 
 }  // namespace pirvs::board

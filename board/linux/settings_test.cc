@@ -169,6 +169,51 @@ TEST(Settings, SomeFollowFromOthers) {
                "not an address and a port, as 192.168.7.2:14550");
 }
 
+TEST(Settings, ATriggerIsAPinOrAPwmAndHasARate) {
+  struct Case {
+    const char *lines, *key;
+  };
+  const Case cases[] = {
+      {"pin.trigger = TRIGGER\ntrigger.rate_hz = 60\n", nullptr},
+      {"trigger = pwm:0.0\ntrigger.rate_hz = 60\n", nullptr},
+      {"trigger.rate_hz = 60\n", nullptr},
+      {"pin.trigger = TRIGGER\ntrigger = none\ntrigger.rate_hz = 60\n", nullptr},
+      {"pin.trigger = TRIGGER\ntrigger = pwm:0.0\ntrigger.rate_hz = 60\n", "pin.trigger"},
+      {"pin.trigger = TRIGGER\n", "trigger.rate_hz"},
+      {"trigger = pwm:0.0\n", "trigger.rate_hz"},
+      {"pin.trigger = TRIGGER\ntrigger.rate_hz = 60\ntrigger.width_us = 8400\n",
+       "trigger.width_us"},
+      {"pin.trigger = TRIGGER\ntrigger.rate_hz = 60\ntrigger.width_us = 0\n", "trigger.width_us"},
+  };
+  for (const Case& c : cases) {
+    Settings out;
+    ASSERT_FALSE(read_settings(kWhole + std::string(c.lines), out)) << c.lines;
+    const ConfigFault fault = find_missing(out);
+    EXPECT_EQ(static_cast<bool>(fault), c.key != nullptr) << c.lines;
+    EXPECT_EQ(fault.key, c.key != nullptr ? c.key : "") << c.lines;
+  }
+  Settings out;
+  ASSERT_EQ(set_setting(out, "pin.trigger", "TRIGGER"), nullptr);
+  ASSERT_EQ(set_setting(out, "trigger.rate_hz", "100"), nullptr);
+  finish_settings(out);
+  EXPECT_FLOAT_EQ(out.params.exposure.longest_s, 0.005f) << "its period without the readout";
+}
+
+TEST(Settings, RecordingsHaveOneFolderAndMayWaitForACommand) {
+  Settings out;
+  ASSERT_FALSE(read_settings(kWhole, out));
+  EXPECT_STREQ(folder_of(out), ".");
+  ASSERT_EQ(set_setting(out, "recordings", "/recordings"), nullptr);
+  EXPECT_STREQ(folder_of(out), "/recordings");
+  EXPECT_STREQ(out.record.text, "") << "nothing starts by itself";
+  EXPECT_FALSE(find_missing(out));
+  ASSERT_EQ(set_setting(out, "record", "/tmp/flight"), nullptr);
+  EXPECT_EQ(find_missing(out).key, "recordings");
+  out.recordings = {};
+  EXPECT_FALSE(find_missing(out));
+  EXPECT_STREQ(folder_of(out), "/tmp/flight");
+}
+
 TEST(Settings, WhatIsMissingIsNamed) {
   Settings out;
   ASSERT_FALSE(read_settings("camera.left = /dev/video0\ncalibration = c.cfg\n", out));

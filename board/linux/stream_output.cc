@@ -132,6 +132,14 @@ void StreamOutput::event(const SyncEvent& event) {
   });
 }
 
+void StreamOutput::pps(const bsp::Pps& pps) {
+  if (!open_) return;
+  const stream::PpsMessage message = {pps.second_t(), pps.rate_ppb(),
+                                      static_cast<float>(pps.noise_ns()), pps.pulses(), pps.odd()};
+  send_all(Kind::kPps,
+           [&](uint32_t sequence) { return stream::encode(message, sequence, bytes_); });
+}
+
 void StreamOutput::frame(const StereoFrame& frame) {
   if (!open_ || now_ < thumbnail_t_ || !anybody_wants(Kind::kThumbnail)) return;
   const ImageView& image = (frame.present & 1) != 0 ? frame.image[0] : frame.image[1];
@@ -223,7 +231,10 @@ void StreamOutput::send_points() {
 void StreamOutput::poll() {
   if (!open_) return;
   now_ = bsp::now();
-  take_requests();
+  if (bsp::take_ready(0, bsp::datagram_fd(socket_)) || now_ >= look_t_) {
+    look_t_ = now_ + kLook_ns;
+    take_requests();
+  }
   if (now_ >= counters_t_ && anybody_wants(Kind::kCounters)) {
     counters_t_ = now_ + kSecond_ns;
     send_counters();

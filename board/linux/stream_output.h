@@ -1,11 +1,12 @@
 // The device's datagrams to whoever asks for them: modules/stream/stream.h.
-// In      open(): where to listen, and the stack. All others from core 0: pose(), health(), event()
-//         and frame() as they come, poll() as often as core 0 comes round.
+// In      open(): where to listen, and the stack. All others from core 0: pose(), health(),
+//         event(), pps() and frame() as they come, poll() as often as core 0 comes round.
 // Out     To each subscriber the kinds that it asked for, until its lease ends; poses and events as
 //         they come, counters once a second, points and thumbnails twice.
 // Errors  open: nullptr, or why not. More than kSubscribersMax: refused and counted. Datagrams that
 //         are no requests, or have no room on their way: counted.
-// Cost    A pose ~5 us a subscriber, its system call. Nothing is made that nobody wants.
+// Cost    A pose ~5 us a subscriber, its system call. Nothing is made that nobody wants. Requests
+//         are looked for when the wait of core 0 ended by them, and every kLook_ns.
 // Source  docs/device.md, "Stream".
 #pragma once
 
@@ -33,6 +34,7 @@ class StreamOutput {
  public:
   static constexpr int kSubscribersMax = 4;
   static constexpr int kLeaseMax_s = 60;
+  static constexpr TimeNs kLook_ns = 10'000'000;
 
   const char* open(bsp::Endpoint own, const App& app,
                    void (*for_each_counter)(VisitValue, void* context));
@@ -41,6 +43,7 @@ class StreamOutput {
   void pose(const Pose& pose);
   void health(TimeNs t, HealthState state, const char* why);
   void event(const SyncEvent& event);
+  void pps(const bsp::Pps& pps);
   void frame(const StereoFrame& frame);
   void poll();
 
@@ -71,6 +74,7 @@ class StreamOutput {
   bsp::Socket socket_;
   Subscriber subscribers_[kSubscribersMax];
   TimeNs now_ = 0;                                          // of the last poll
+  TimeNs look_t_ = 0;                                       // for requests, at the latest
   TimeNs counters_t_ = 0, points_t_ = 0, thumbnail_t_ = 0;  // of the next ones
   StreamCounters counters_;
   uint8_t bytes_[stream::kMax];

@@ -4,6 +4,7 @@
 #include "bsp/api/tick.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/i2c_dev.h"
+#include "bsp/linux/pin_trigger.h"
 #include "bsp/linux/pwm_trigger.h"
 
 namespace pirvs {
@@ -15,7 +16,9 @@ bsp::I2cImu i2c_imu;
 bsp::I2cDev i2c;
 Status i2c_answer = Status::kStale;  // of the one transfer under way
 bool imu_is_on_i2c = false;
-bsp::PwmTrigger trigger;
+bsp::PwmTrigger pwm_trigger;
+bsp::PinTrigger pin_trigger;
+bool pin_triggers = false;
 TimeNs next_tick = 0;
 int door_core = 0;
 void (*frame_taken)(const StereoFrame&) = nullptr;
@@ -34,6 +37,23 @@ class Waited {
 };
 Waited camera_waited[kCamerasMax], imu_waited;
 
+// The frame from which the trigger counts: its image of one camera.
+struct Newest {
+  TimeNs t = 0;
+  int camera = -1;  // none yet
+  uint32_t sequence = 0;
+} newest;
+
+void centre_trigger() {
+  if (!pin_trigger.runs() || newest.camera < 0) return;
+  TimeNs exposure_ns[bsp::PinTrigger::kAhead];
+  uint32_t sequence = newest.sequence;
+  for (TimeNs& of_image : exposure_ns) {
+    of_image = stereo.node(newest.camera).exposure_of(++sequence);
+  }
+  pin_trigger.centre(newest.t, exposure_ns);
+}
+
 }  // namespace
 
 void board::wire_sensors(const SensorSetup& setup) {
@@ -49,13 +69,20 @@ void board::wire_sensors(const SensorSetup& setup) {
 }
 
 const char* board::start_trigger(const TriggerSetup& setup) {
-  if (setup.pwm_chip < 0) return nullptr;
-  trigger.configure(setup.pwm_chip, setup.pwm_channel);
-  return bsp::trigger_start(0, setup.timing).ok() ? nullptr : trigger.why();
+  pin_triggers = setup.pin[0] != 0;
+  if (pin_triggers) {
+    pin_trigger.configure(setup.pin, setup.urgent);
+  } else if (setup.pwm_chip >= 0) {
+    pwm_trigger.configure(setup.pwm_chip, setup.pwm_channel);
+  } else {
+    return nullptr;
+  }
+  if (bsp::trigger_start(0, setup.timing).ok()) return nullptr;
+  return pin_triggers ? pin_trigger.why() : pwm_trigger.why();
 }
 
 void board::unwire_sensors() {
-  (void)trigger.stop();
+  (void)bsp::trigger_stop(0);
   for (Waited& waited : camera_waited) waited.set(-1);
   imu_waited.set(-1);
   stereo.close();
@@ -78,6 +105,9 @@ void board::for_each_sensor_counter(VisitCounter visit) {
   } else {
     for_each_counter(iio.counters(), bsp::kIioCounterRows, of_imu);
   }
+  visit("trigger", "pulses", pin_trigger.pulses());
+  visit("trigger", "late", pin_trigger.late());
+  visit("trigger", "left_out", pin_trigger.left_out());
 }
 
 namespace bsp {
@@ -110,7 +140,11 @@ Status camera_poll(StereoFrame& out) {
   for (int c = 0; c < kCamerasMax; ++c) {
     camera_waited[c].set(status == Status::kEmpty ? stereo.fd_to_wait_for(c) : -1);
   }
-  if (status == Status::kOk && frame_taken != nullptr) frame_taken(out);
+  if (status != Status::kOk) return status;
+  const int camera = (out.present & 1) != 0 ? 0 : 1;
+  newest = {out.t, camera, out.info[camera].sequence};
+  centre_trigger();
+  if (frame_taken != nullptr) frame_taken(out);
   return status;
 }
 
@@ -120,14 +154,21 @@ void camera_release(FrameId id) { stereo.release(id); }
 
 Result<CameraRange> camera_range() { return stereo.range(); }
 
-Status camera_control(const CameraControl& control) { return stereo.control(control); }
+Status camera_control(const CameraControl& control) {
+  const Status status = stereo.control(control);
+  centre_trigger();
+  return status;
+}
 
 Result<TriggerStart> trigger_start(int output, const TriggerTiming& timing) {
   if (output != 0) return Status::kNotFound;
-  return trigger.start(timing);
+  return pin_triggers ? pin_trigger.start(timing) : pwm_trigger.start(timing);
 }
 
-Status trigger_stop(int output) { return output == 0 ? trigger.stop() : Status::kNotFound; }
+Status trigger_stop(int output) {
+  if (output != 0) return Status::kNotFound;
+  return pin_triggers ? pin_trigger.stop() : pwm_trigger.stop();
+}
 
 Status tick_poll(TimeNs& out) {
   const TimeNs t = now();

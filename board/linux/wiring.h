@@ -15,9 +15,11 @@
 
 namespace pirvs::board {
 
-// Who drives the cameras. As output 0 of bsp/api/trigger.h.
+// Who drives the cameras: a PWM, or a pin; else nobody here. As output 0 of bsp/api/trigger.h.
 struct TriggerSetup {
-  int pwm_chip = -1, pwm_channel = 0;  // -1: nobody here
+  int pwm_chip = -1, pwm_channel = 0;  // -1: no PWM
+  const char* pin = "";
+  bool urgent = false;  // the pin's thread: SCHED_FIFO
   bsp::TriggerTiming timing = {50'000'000, 1'000'000, 0, false};
 };
 

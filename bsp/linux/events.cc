@@ -23,6 +23,7 @@ struct Core {
   std::atomic<State> state{State::kAwake};
   int event_fd = -1;  // made by the first wait, before anybody can see kAsleep
   int fds[kWaitFdsMax];
+  bool ready[kWaitFdsMax] = {};  // by the last wait
   int fd_count = 0;
 };
 Core cores[kCoresMax];
@@ -49,6 +50,7 @@ void sleep_until(Core& core, TimeNs until) {
   const TimeNs left = std::max<TimeNs>(0, until - now());
   const timespec timeout{static_cast<time_t>(left / kSecond), static_cast<long>(left % kSecond)};
   const int ready = ppoll(polled, count, &timeout, nullptr);
+  for (int i = 0; i < core.fd_count; ++i) core.ready[i] = ready > 0 && polled[1 + i].revents != 0;
   if (ready <= 0 || polled[0].revents == 0) return;
   uint64_t wakes = 0;  // the next poll must not see these again
   (void)!read(core.event_fd, &wakes, sizeof wakes);
@@ -81,14 +83,28 @@ void alarm(TimeNs t) { next_alarm = std::min(next_alarm, t); }
 Status watch_fd(int index, int fd) {
   Core& core = core_of(index);
   if (core.fd_count == kWaitFdsMax) return Status::kFull;
+  core.ready[core.fd_count] = false;
   core.fds[core.fd_count++] = fd;
   return Status::kOk;
 }
 
 void forget_fd(int index, int fd) {
   Core& core = core_of(index);
-  int* const end = core.fds + core.fd_count;
-  core.fd_count = static_cast<int>(std::remove(core.fds, end, fd) - core.fds);
+  int kept = 0;
+  for (int i = 0; i < core.fd_count; ++i) {
+    if (core.fds[i] == fd) continue;
+    core.ready[kept] = core.ready[i];
+    core.fds[kept++] = core.fds[i];
+  }
+  core.fd_count = kept;
+}
+
+bool take_ready(int index, int fd) {
+  Core& core = core_of(index);
+  const auto at = static_cast<int>(std::find(core.fds, core.fds + core.fd_count, fd) - core.fds);
+  if (at == core.fd_count || !core.ready[at]) return false;
+  core.ready[at] = false;
+  return true;
 }
 
 }  // namespace pirvs::bsp

@@ -132,8 +132,14 @@ TEST(LinuxEvents, ADescriptorEndsTheWait) {
   ASSERT_EQ(pipe(pipe_fds), 0);
   ASSERT_EQ(watch_fd(3, pipe_fds[0]), Status::kOk);
   ASSERT_EQ(write(pipe_fds[1], "x", 1), 1);
+  EXPECT_FALSE(take_ready(3, pipe_fds[0])) << "no wait has seen it";
+  wait(3, now() + 3'600'000'000'000);
+  EXPECT_TRUE(take_ready(3, pipe_fds[0]));
+  EXPECT_FALSE(take_ready(3, pipe_fds[0])) << "once a wait";
+  EXPECT_FALSE(take_ready(3, pipe_fds[1])) << "not watched";
   wait(3, now() + 3'600'000'000'000);
   forget_fd(3, pipe_fds[0]);
+  EXPECT_FALSE(take_ready(3, pipe_fds[0]));
   const TimeNs begin = now();
   wait(3, begin + 5'000'000);
   EXPECT_GE(now() - begin, 5'000'000) << "no longer watched";

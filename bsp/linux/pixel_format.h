@@ -18,15 +18,31 @@ namespace pirvs::bsp {
 using JpegToGrey = bool (*)(const uint8_t* data, size_t size, int width, int height, uint8_t* out);
 
 struct PixelFormat {
-  enum class How : uint8_t { kPlane, kPairs, kWords, kBayer, kBayerWords, kRgb, kBgr, kJpeg };
+  enum class How : uint8_t {
+    kPlane,
+    kPairs,
+    kWords,
+    kPacked,
+    kBayer,
+    kBayerWords,
+    kBayerPacked,
+    kRgb,
+    kBgr,
+    kJpeg
+  };
   uint32_t code;
   How how;
-  int bytes;      // of a pixel in its row
+  int bytes;      // of a pixel in its row; of packed ones: of a group of pixels
   int first = 0;  // of the bytes that say its grey
   int shift = 0;  // bits of a word beyond 8
 
   bool is_grey() const { return how == How::kPlane; }
   bool is_jpeg() const { return how == How::kJpeg; }
+  bool is_packed() const { return how == How::kPacked || how == How::kBayerPacked; }
+  // The least that a row takes.
+  int row_bytes(int width) const {
+    return is_packed() ? (width + bytes - 2) / (bytes - 1) * bytes : width * bytes;
+  }
 };
 
 struct RawBuffer {

@@ -38,21 +38,29 @@ void PulseThread::stop() {
   runs_ = false;
 }
 
-bool PulseThread::take_plan() {
+void PulseThread::take_plan() {
   const PulsePlan* const newest = plans_.take();
   if (newest != nullptr) plan_ = *newest;
-  return newest != nullptr;
 }
 
-void PulseThread::pulse(TimeNs t) {
-  sleep_until(t - kSpin_ns);
-  while (now() < t) continue;
-  last_t_ = t;
-  if (now() - t > kLate_ns) {
+void PulseThread::count_passed_over(TimeNs point) {
+  if (!plan_.counted || last_t_ == INT64_MIN) return;
+  const TimeNs periods = (point - last_t_ + plan_.period_ns / 2) / plan_.period_ns;
+  if (periods > 1) left_out_ += static_cast<uint32_t>(periods - 1);
+}
+
+void PulseThread::pulse(TimeNs point) {
+  const TimeNs begin = plan_.begin_of(point);
+  count_passed_over(point);
+  last_t_ = point;
+  sleep_until(begin - kSpin_ns);
+  while (now() < begin) continue;
+  const TimeNs rise = now();  // later than `begin`, if this thread was interrupted in between
+  if (rise > std::max(begin + kLate_ns, point)) {
     ++left_out_;
     return;
   }
-  const TimeNs rise = now();  // later than t, if this thread was interrupted in between
+  if (rise - begin > kSpin_ns) ++late_;
   (void)pin_->write(true);
   sleep_until(rise + width_ns_);
   (void)pin_->write(false);
@@ -66,18 +74,13 @@ void PulseThread::run() {
     // Half a period from the last one: a plan that moved a little must not pulse twice.
     const TimeNs from =
         std::max(t + kSpin_ns, last_t_ == INT64_MIN ? t : last_t_ + plan_.period_ns / 2);
-    const TimeNs next = next_pulse(plan_, from);
-    if (next > t + kRest_ns) {
-      sleep_until(t + kRest_ns);
-      continue;
+    const TimeNs point = next_pulse(plan_, from);
+    const TimeNs look = point == INT64_MAX ? point : plan_.begin_of(point) - kSettle_ns;
+    if (look > t) {
+      sleep_until(std::min(look, t + kRest_ns));
+    } else {
+      pulse(point);
     }
-    if (next > t + kSettle_ns) sleep_until(next - kSettle_ns);
-    if (!take_plan()) {
-      pulse(next);
-      continue;
-    }
-    const TimeNs moved = next_pulse(plan_, std::max(from, next - plan_.period_ns / 2));
-    if (moved < next + plan_.period_ns / 2) pulse(moved);
   }
 }
 

@@ -41,6 +41,7 @@ struct FakeControl {
 struct FakeCamera {
   int open_error = 0;
   bool plugged = true, streaming = false;
+  bool multiplanar = false;  // the colour of NV12M is a plane of its own
   uint32_t format = V4L2_PIX_FMT_GREY, buffers_granted = 32;
   int bytes_per_pixel = 1;
   uint32_t quantization = V4L2_QUANTIZATION_DEFAULT;
@@ -56,13 +57,15 @@ struct FakeCamera {
   void has_exposure(int32_t units_of_100_us) {
     controls[V4L2_CID_EXPOSURE_ABSOLUTE] = {1, 5000, units_of_100_us};
   }
+  int stalls_for = 0;           // so many starts of the stream
   uint32_t without_buffer = 0;  // shots that no buffer was there for
 
   size_t size() const { return kBytes * size_t(bytes_per_pixel); }
   // Whose every byte is the grey.
   bool is_plain() const {
-    return format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_SGBRG8 ||
-           format == V4L2_PIX_FMT_RGB24 || format == V4L2_PIX_FMT_MJPEG;
+    return format == V4L2_PIX_FMT_NV12 || format == V4L2_PIX_FMT_NV12M ||
+           format == V4L2_PIX_FMT_SGBRG8 || format == V4L2_PIX_FMT_RGB24 ||
+           format == V4L2_PIX_FMT_MJPEG;
   }
   // One grey all over, in any format; colour and lower bits are noise.
   void fill(std::vector<uint8_t>& to, uint8_t grey) const {
@@ -78,7 +81,7 @@ struct FakeCamera {
   }
   // As a sensor does: without a buffer the image is lost.
   void shoot(const Shot& shot) {
-    if (!streaming || queued.empty()) {
+    if (!streaming || queued.empty() || stalls_for > 0) {
       ++without_buffer;
       return;
     }
@@ -176,7 +179,19 @@ int take(std::deque<T>& from, void* out, int when_empty) {
   return 0;
 }
 
-inline int set_format(const FakeCamera& camera, v4l2_pix_format& pix) {
+inline int set_format(const FakeCamera& camera, v4l2_format& format) {
+  if (camera.multiplanar) {
+    v4l2_pix_format_mplane& mp = format.fmt.pix_mp;
+    mp.width = kWidth;
+    mp.height = kHeight;
+    mp.pixelformat = camera.format;
+    mp.num_planes = camera.format == V4L2_PIX_FMT_NV12M ? 2 : 1;
+    mp.plane_fmt[0].bytesperline = uint32_t(kWidth);
+    mp.plane_fmt[1].bytesperline = uint32_t(kWidth);
+    mp.quantization = uint8_t(camera.quantization);
+    return 0;
+  }
+  v4l2_pix_format& pix = format.fmt.pix;
   pix.width = kWidth;
   pix.height = kHeight;
   pix.pixelformat = camera.format;
@@ -191,31 +206,80 @@ inline int grant(FakeCamera& camera, v4l2_requestbuffers& request) {
   return 0;
 }
 
+inline int query_buffer(const FakeCamera& camera, v4l2_buffer& buffer) {
+  if (!camera.multiplanar) {
+    buffer.length = uint32_t(camera.size());
+    buffer.m.offset = buffer.index;
+    return 0;
+  }
+  if (buffer.length < (camera.format == V4L2_PIX_FMT_NV12M ? 2u : 1u)) return failed(EINVAL);
+  buffer.m.planes[0].length = uint32_t(camera.size());
+  buffer.m.planes[0].m.mem_offset = buffer.index;
+  buffer.m.planes[1].m.mem_offset = 1000;  // nobody is to map it
+  return 0;
+}
+
+inline int dequeue(FakeCamera& camera, v4l2_buffer& out) {
+  if (camera.done.empty()) return failed(EAGAIN);
+  const v4l2_buffer asked = out;
+  out = camera.done.front();
+  camera.done.pop_front();
+  out.type = asked.type;
+  if (!camera.multiplanar) return 0;
+  out.m.planes = asked.m.planes;
+  out.length = asked.length;
+  out.m.planes[0].bytesused = out.bytesused;
+  out.bytesused = 0;
+  return 0;
+}
+
+inline uint32_t type_of(const FakeCamera& camera) {
+  return camera.multiplanar ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+}
+
+// Of the calls that name the queue: one of the other interface is refused.
+inline bool names_another_queue(const FakeCamera& camera, unsigned long request, const void* a) {
+  uint32_t type = type_of(camera);
+  if (request == VIDIOC_S_FMT) type = static_cast<const v4l2_format*>(a)->type;
+  if (request == VIDIOC_REQBUFS) type = static_cast<const v4l2_requestbuffers*>(a)->type;
+  if (request == VIDIOC_STREAMON || request == VIDIOC_STREAMOFF) {
+    type = static_cast<uint32_t>(*static_cast<const int*>(a));
+  }
+  if (request == VIDIOC_QUERYBUF || request == VIDIOC_QBUF || request == VIDIOC_DQBUF) {
+    type = static_cast<const v4l2_buffer*>(a)->type;
+  }
+  return type != type_of(camera);
+}
+
 inline int fake_ioctl(int fd, unsigned long request, void* argument) {
   FakeCamera& camera = kernel.cameras[fd % 100];
   if (!camera.plugged) return failed(ENODEV);
+  if (names_another_queue(camera, request, argument)) return failed(EINVAL);
   switch (request) {
     case VIDIOC_QUERYCAP:
       static_cast<v4l2_capability*>(argument)->capabilities =
-          V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+          V4L2_CAP_STREAMING |
+          (camera.multiplanar ? V4L2_CAP_VIDEO_CAPTURE_MPLANE : V4L2_CAP_VIDEO_CAPTURE);
       return 0;
     case VIDIOC_S_FMT:
-      return set_format(camera, static_cast<v4l2_format*>(argument)->fmt.pix);
+      return set_format(camera, *static_cast<v4l2_format*>(argument));
     case VIDIOC_REQBUFS:
       return grant(camera, *static_cast<v4l2_requestbuffers*>(argument));
-    case VIDIOC_QUERYBUF: {
-      auto& buffer = *static_cast<v4l2_buffer*>(argument);
-      buffer.length = uint32_t(camera.size());
-      buffer.m.offset = buffer.index;
-      return 0;
-    }
+    case VIDIOC_QUERYBUF:
+      return query_buffer(camera, *static_cast<v4l2_buffer*>(argument));
     case VIDIOC_QBUF:
       camera.queued.push_back(static_cast<v4l2_buffer*>(argument)->index);
       return 0;
     case VIDIOC_DQBUF:
-      return take(camera.done, argument, EAGAIN);
+      return dequeue(camera, *static_cast<v4l2_buffer*>(argument));
     case VIDIOC_STREAMON:
+      if (camera.stalls_for > 0) --camera.stalls_for;
       camera.streaming = true;
+      return 0;
+    case VIDIOC_STREAMOFF:
+      camera.streaming = false;
+      camera.queued.clear();
+      camera.done.clear();
       return 0;
     case VIDIOC_SUBSCRIBE_EVENT:
       return camera.has_frame_sync ? 0 : failed(EINVAL);

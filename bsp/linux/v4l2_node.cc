@@ -23,6 +23,20 @@ TimeNs boottime_ahead() {
   return t.tv_sec * kSecond_ns + t.tv_nsec - now();
 }
 
+// As both interfaces have it: the multi-planar one says of its planes elsewhere.
+struct PlanarBuffer : v4l2_buffer {
+  v4l2_plane planes[VIDEO_MAX_PLANES] = {};
+
+  PlanarBuffer(uint32_t of_type, uint32_t plane_count) : v4l2_buffer{} {
+    type = of_type;
+    memory = V4L2_MEMORY_MMAP;
+    if (of_type != V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE) return;
+    m.planes = planes;
+    length = plane_count;
+  }
+  v4l2_buffer* get() { return this; }
+};
+
 const char* why_not_open() {
   switch (errno) {
     case ENOENT:
@@ -79,24 +93,52 @@ const char* V4l2Node::open_camera() {
   if (const char* const why = by_table ? set_up_stages() : nullptr) return why;
   fd_ = calls_->open(by_table ? nodes_.video : setup_.path);
   if (fd_ < 0) return why_not_open();
+  if (const char* const why = find_interface()) return why;
   if (const char* const why = set_format()) return why;
   if (const char* const why = map_buffers()) return why;
   return start();
 }
 
-const char* V4l2Node::set_format() {
+const char* V4l2Node::find_interface() {
   v4l2_capability about{};
-  constexpr uint32_t kNeeded = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
   if (calls_->ioctl(fd_, VIDIOC_QUERYCAP, &about) < 0) return "not a camera of V4L2";
   const uint32_t can =
       (about.capabilities & V4L2_CAP_DEVICE_CAPS) != 0 ? about.device_caps : about.capabilities;
-  if ((can & kNeeded) != kNeeded) return "not a camera that streams by V4L2";
+  multiplanar_ = (can & V4L2_CAP_VIDEO_CAPTURE) == 0;
+  type_ = multiplanar_ ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  const bool captures = (can & (V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_VIDEO_CAPTURE_MPLANE)) != 0;
+  if (!captures || (can & V4L2_CAP_STREAMING) == 0) return "not a camera that streams by V4L2";
+  return nullptr;
+}
+
+// False: the camera answered with something else.
+bool V4l2Node::take_format(const PixelFormat& wanted, const v4l2_format& answer) {
+  const v4l2_pix_format& pix = answer.fmt.pix;
+  const v4l2_pix_format_mplane& mp = answer.fmt.pix_mp;
+  // Both begin with width, height and pixelformat.
+  const bool as_asked = pix.width == static_cast<uint32_t>(setup_.width) &&
+                        pix.height == static_cast<uint32_t>(setup_.height) &&
+                        pix.pixelformat == wanted.code;
+  if (!as_asked) return false;
+  planes_ = multiplanar_ ? mp.num_planes : 1;
+  if (planes_ < 1 || planes_ > VIDEO_MAX_PLANES) return false;
+  const uint32_t stride = multiplanar_ ? mp.plane_fmt[0].bytesperline : pix.bytesperline;
+  const uint32_t range = multiplanar_ ? mp.quantization : pix.quantization;
+  format_ = &wanted;
+  stride_ =
+      wanted.is_jpeg() ? 0 : std::max(static_cast<int>(stride), wanted.row_bytes(setup_.width));
+  limited_ = setup_.range == GreyRange::kDriver ? range == V4L2_QUANTIZATION_LIM_RANGE
+                                                : setup_.range == GreyRange::kLimited;
+  return true;
+}
+
+const char* V4l2Node::set_format() {
   for (const PixelFormat& wanted : pixel_formats()) {
     if (setup_.format != 0 && wanted.code != setup_.format) continue;
     if (wanted.is_jpeg() && setup_.jpeg == nullptr) continue;
     v4l2_format format{};
-    format.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    v4l2_pix_format& pix = format.fmt.pix;
+    format.type = type_;
+    v4l2_pix_format& pix = format.fmt.pix;  // as pix_mp, to its field
     pix.width = static_cast<uint32_t>(setup_.width);
     pix.height = static_cast<uint32_t>(setup_.height);
     pix.pixelformat = wanted.code;
@@ -106,15 +148,7 @@ const char* V4l2Node::set_format() {
       if (errno == EINVAL) continue;
       return why_not_open();
     }
-    const bool as_asked = pix.width == static_cast<uint32_t>(setup_.width) &&
-                          pix.height == static_cast<uint32_t>(setup_.height) &&
-                          pix.pixelformat == wanted.code;
-    if (!as_asked) continue;
-    format_ = &wanted;
-    const int stride = std::max(static_cast<int>(pix.bytesperline), setup_.width * wanted.bytes);
-    stride_ = wanted.is_jpeg() ? 0 : stride;
-    limited_ = setup_.range == GreyRange::kDriver ? pix.quantization == V4L2_QUANTIZATION_LIM_RANGE
-                                                  : setup_.range == GreyRange::kLimited;
+    if (!take_format(wanted, format)) continue;
     return lends_as_it_is() ? nullptr : map_grey();
   }
   return "the camera cannot give the calibration's size in a format that can be made grey";
@@ -130,44 +164,50 @@ const char* V4l2Node::map_grey() {
 const char* V4l2Node::map_buffers() {
   v4l2_requestbuffers request{};
   request.count = kBuffers;
-  request.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
+  request.type = type_;
   request.memory = V4L2_MEMORY_MMAP;
   if (calls_->ioctl(fd_, VIDIOC_REQBUFS, &request) < 0) return why_not_open();
   if (request.count < static_cast<uint32_t>(kFramesLentMax)) return "the camera has no memory";
   buffer_count_ = std::min(static_cast<int>(request.count), kBuffers);
   const auto needed = static_cast<size_t>(stride_) * static_cast<size_t>(setup_.height);
   for (int i = 0; i < buffer_count_; ++i) {
-    v4l2_buffer buffer{};
+    PlanarBuffer buffer(type_, planes_);
     buffer.index = static_cast<uint32_t>(i);
-    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    buffer.memory = V4L2_MEMORY_MMAP;
-    if (calls_->ioctl(fd_, VIDIOC_QUERYBUF, &buffer) < 0) return "the camera has no memory";
-    void* const at = calls_->map(buffer.length, fd_, buffer.m.offset);
-    if (at == nullptr || buffer.length < needed) return "the camera's memory cannot be mapped";
-    buffers_[i] = {static_cast<uint8_t*>(at), buffer.length, false};
+    if (calls_->ioctl(fd_, VIDIOC_QUERYBUF, buffer.get()) < 0) return "the camera has no memory";
+    // The first plane is the luma: nobody looks at the others.
+    const size_t length = multiplanar_ ? buffer.planes[0].length : buffer.length;
+    const uint32_t offset = multiplanar_ ? buffer.planes[0].m.mem_offset : buffer.m.offset;
+    void* const at = calls_->map(length, fd_, offset);
+    if (at == nullptr || length < needed) return "the camera's memory cannot be mapped";
+    buffers_[i] = {static_cast<uint8_t*>(at), length, false};
   }
   return nullptr;
 }
 
 const char* V4l2Node::start() {
-  for (int i = 0; i < buffer_count_; ++i) {
-    if (!queue(i)) return "the camera refuses its buffers";
-  }
   controls_.open(fd_, setup_.width, setup_.controls, *calls_);
-  exposure_at_ = 0;
-  for (ExposedFrom& exposure : exposures_) exposure = {0, controls_.exposure_ns()};
-  if (controlled_) tell_controls();
   event_fd_ = setup_.event_path[0] != 0 ? calls_->open(setup_.event_path) : fd_;
   v4l2_event_subscription events{};
   events.type = V4L2_EVENT_FRAME_SYNC;
   frame_sync_ = event_fd_ >= 0 && calls_->ioctl(event_fd_, VIDIOC_SUBSCRIBE_EVENT, &events) == 0;
-  started_t_ = now();
+  gave_ = stalls_ = false;
+  if (stream()) return nullptr;
+  if (errno == EINVAL) return "the camera refuses its buffers";
+  return errno == EPIPE ? "the camera's stages do not fit together" : why_not_open();
+}
+
+// Gives the driver all buffers that are not lent, and starts. False: errno says why not.
+bool V4l2Node::stream() {
   has_sequence_ = false;
-  int type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  if (calls_->ioctl(fd_, VIDIOC_STREAMON, &type) < 0) {
-    return errno == EPIPE ? "the camera's stages do not fit together" : why_not_open();
+  exposure_at_ = 0;
+  for (ExposedFrom& exposure : exposures_) exposure = {0, controls_.exposure_ns()};
+  if (controlled_) tell_controls();
+  for (int i = 0; i < buffer_count_; ++i) {
+    if (!buffers_[i].lent && !queue(i)) return false;
   }
-  return nullptr;
+  came_t_ = started_t_ = now();
+  auto type = static_cast<int>(type_);
+  return calls_->ioctl(fd_, VIDIOC_STREAMON, &type) == 0;
 }
 
 V4l2Node::~V4l2Node() {
@@ -192,6 +232,18 @@ void V4l2Node::gone() {
   teller_.tell(setup_.path, "camera unplugged, waiting for it");
 }
 
+// Cameras of USB and ISPs may stall and stay: their node is there, and says nothing.
+Status V4l2Node::nothing_came() {
+  if (!gave_ || now() < came_t_ + setup_.stall_ns) return Status::kEmpty;
+  ++counters_.stalled;
+  stalls_ = true;
+  teller_.tell(setup_.path, "camera stalled, its stream is started anew");
+  auto type = static_cast<int>(type_);
+  if (calls_->ioctl(fd_, VIDIOC_STREAMOFF, &type) == 0 && stream()) return Status::kEmpty;
+  gone();
+  return Status::kBusFault;
+}
+
 // ---- buffers -----------------------------------------------------------------------------------
 
 bool V4l2Node::any_lent() const {
@@ -208,11 +260,9 @@ void V4l2Node::unmap() {
 }
 
 bool V4l2Node::queue(int index) {
-  v4l2_buffer buffer{};
+  PlanarBuffer buffer(type_, planes_);
   buffer.index = static_cast<uint32_t>(index);
-  buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-  buffer.memory = V4L2_MEMORY_MMAP;
-  return calls_->ioctl(fd_, VIDIOC_QBUF, &buffer) == 0;
+  return calls_->ioctl(fd_, VIDIOC_QBUF, buffer.get()) == 0;
 }
 
 // Acquire: whoever gave it back has read what he wanted.
@@ -267,18 +317,19 @@ void V4l2Node::control(const CameraControl& control) {
   if (is_open()) tell_controls();
 }
 
-// Of the image that is taken. What another program sets is true as soon as it is seen.
-TimeNs V4l2Node::exposure(uint32_t sequence) {
+// When an image is taken. What another program sets is true as soon as it is seen.
+void V4l2Node::look_at_controls(uint32_t sequence) {
+  if (setup_.exposure_ns != 0 || !controls_.takes_exposure() || controls_.look()) return;
+  note_exposure(sequence);
+  const bool ours = controlled_ && control_.exposure_ns != 0;
+  if (!ours) return;
+  ++counters_.exposure_changed;
+  tell_controls();
+}
+
+TimeNs V4l2Node::exposure_of(uint32_t sequence) const {
   if (setup_.exposure_ns != 0) return setup_.exposure_ns;
   if (!controls_.takes_exposure()) return 0;
-  if (!controls_.look()) {
-    note_exposure(sequence);
-    const bool ours = controlled_ && control_.exposure_ns != 0;
-    if (ours) {
-      ++counters_.exposure_changed;
-      tell_controls();
-    }
-  }
   for (int i = 1; i <= kExposures; ++i) {
     const ExposedFrom& from = exposures_[(exposure_at_ + kExposures - i) % kExposures];
     if (static_cast<int32_t>(sequence - from.sequence) >= 0) return from.exposure_ns;
@@ -324,24 +375,27 @@ Status V4l2Node::take(V4l2Image& out) {
   take_back();
   if (!is_open() && look_for_camera() != Status::kOk) return Status::kBusFault;
   for (;;) {
-    v4l2_buffer buffer{};
-    buffer.type = V4L2_BUF_TYPE_VIDEO_CAPTURE;
-    buffer.memory = V4L2_MEMORY_MMAP;
-    if (calls_->ioctl(fd_, VIDIOC_DQBUF, &buffer) < 0) {
-      if (errno == EAGAIN) return Status::kEmpty;
+    PlanarBuffer buffer(type_, planes_);
+    if (calls_->ioctl(fd_, VIDIOC_DQBUF, buffer.get()) < 0) {
+      if (errno == EAGAIN) return nothing_came();
       gone();
       return Status::kBusFault;
     }
+    if (multiplanar_) buffer.bytesused = buffer.planes[0].bytesused;
     const auto index = static_cast<int>(buffer.index);
     PIRVS_ASSERT(index < buffer_count_ && !buffers_[index].lent);
     const TimeNs arrival = now();
+    came_t_ = arrival;
+    if (stalls_) teller_.tell(setup_.path, "camera gives images again");
+    stalls_ = false;
     read_frame_syncs();
     // Between two images less than half of all numbers are lost.
     const uint32_t step = buffer.sequence - sequence_;
     if (has_sequence_ && step - 1 < UINT32_MAX / 2) counters_.lost += step - 1;
     sequence_ = buffer.sequence;
     has_sequence_ = true;
-    exposure_ns_ = exposure(buffer.sequence);
+    look_at_controls(buffer.sequence);
+    exposure_ns_ = exposure_of(buffer.sequence);
     const TimeNs t = mid_exposure(buffer, arrival);
     const auto needed = static_cast<uint32_t>(stride_ * setup_.height);
     bool damaged = (buffer.flags & V4L2_BUF_FLAG_ERROR) != 0 || buffer.bytesused < needed;
@@ -356,6 +410,7 @@ Status V4l2Node::take(V4l2Image& out) {
       continue;
     }
     buffers_[index].lent = true;
+    gave_ = true;
     ++counters_.images;
     const int stride = lends_as_it_is() ? stride_ : setup_.width;
     out = {grey, stride, t, arrival, exposure_ns_, buffer.sequence, index};

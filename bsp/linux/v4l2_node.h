@@ -1,5 +1,6 @@
-// One camera by V4L2: its buffers mapped once, its images lent as they lie there, where they are
-// 8-bit grey. What else pixel_format.h knows is made 8-bit grey in memory of our own.
+// One camera by V4L2, of its single-planar or its multi-planar interface (rkisp1 has that alone):
+// its buffers mapped once, its images lent as they lie there, where they are 8-bit grey. What else
+// pixel_format.h knows is made 8-bit grey in memory of our own.
 // In      configure(), then take() and fd() from one core; give_back() from any.
 // Out     take(): the oldest image. t: the middle of its exposure on CLOCK_MONOTONIC, from what is
 //         known best: V4L2_EVENT_FRAME_SYNC of the same sequence (a frame begins to arrive when its
@@ -7,6 +8,7 @@
 //         sequence: the sensor's count; a step of more than one: images were lost.
 //         lost_before(): by that count, since the image before.
 //         exposure_ns: with which it was taken, by the control and the sensor's delay.
+//         exposure_of(): of an image by its sequence, also of one to come, as commanded now.
 //         control(): exposure and gain from now on, whenever the camera comes back, and again when
 //         another program has set them (exposure_changed).
 // Units   ns, pixels.
@@ -14,7 +16,9 @@
 //         or unplugged; DeviceNews says which, once, and every kRetry_ns it is looked for again.
 //         Images with V4L2_BUF_FLAG_ERROR, too short ones, broken JPEGs, and stale ones (stamped
 //         before the stream began) are counted and given back. A camera that is gone while images
-//         are lent keeps their memory until the last one is back.
+//         are lent keeps their memory until the last one is back. One that gave images and
+//         then gives nothing for stall_ns, not even a broken one, has its stream stopped and
+//         started anew, again and again (stalled).
 // Cost    A system call an image, one to read its exposure, another to queue its buffer again at
 //         the next take(). No copy of 8-bit grey; of the others that of core/kernels/grey.
 // Source  V4L2 API, "Streaming I/O (Memory Mapping)", "Timestamps".
@@ -31,6 +35,7 @@
 #include "core/base/counter.h"
 
 struct v4l2_buffer;  // of <linux/videodev2.h>
+struct v4l2_format;
 
 namespace pirvs::bsp {
 
@@ -56,7 +61,8 @@ struct V4l2Setup {
   TimeNs exposure_ns = 0;  // 0: as the camera's control says, if it has one
   TimeNs readout_ns = 0;   // from the end of exposure to the end of the frame
   V4l2ControlSetup controls;
-  int control_delay = 2;  // images from a command to the first that it is true of
+  int control_delay = 2;            // images from a command to the first that it is true of
+  TimeNs stall_ns = 2'000'000'000;  // the slowest trigger has 1 Hz
 };
 
 struct V4l2Image {
@@ -71,7 +77,7 @@ struct V4l2Image {
 
 struct V4l2Counters {
   Counter images, converted, lost, damaged, stale, unstamped, frame_sync_missed, opened, unplugged,
-      exposure_changed, control_refused;
+      stalled, exposure_changed, control_refused;
 };
 inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
     {"images", &V4l2Counters::images},
@@ -83,6 +89,7 @@ inline constexpr CounterRow<V4l2Counters> kV4l2CounterRows[] = {
     {"frame_sync_missed", &V4l2Counters::frame_sync_missed},
     {"opened", &V4l2Counters::opened},
     {"unplugged", &V4l2Counters::unplugged},
+    {"stalled", &V4l2Counters::stalled},                    // its stream was started anew
     {"exposure_changed", &V4l2Counters::exposure_changed},  // by another program
     {"control_refused", &V4l2Counters::control_refused},
 };
@@ -105,9 +112,13 @@ class V4l2Node {
   void give_back(int buffer) { returned_.fetch_or(1u << buffer, std::memory_order_release); }
   void close();
   void control(const CameraControl& control);
+  TimeNs exposure_of(uint32_t sequence) const;
   const V4l2Controls& controls() const { return controls_; }
 
   bool is_open() const { return fd_ >= 0; }
+  bool stalls() const { return stalls_; }  // since its stream was started anew no image came
+  // How often its sequence has begun anew.
+  uint32_t starts() const { return counters_.opened + counters_.stalled; }
   int fd() const { return fd_; }  // -1: none; it changes whenever the camera comes and goes
   const V4l2Counters& counters() const { return counters_; }
 
@@ -130,7 +141,9 @@ class V4l2Node {
   Status look_for_camera();
   const char* open_camera();
   const char* set_up_stages();
+  const char* find_interface();
   const char* set_format();
+  bool take_format(const PixelFormat& wanted, const ::v4l2_format& answer);
   const char* map_grey();
   size_t grey_bytes() const {
     return size_t{kBuffers} * static_cast<size_t>(setup_.width * setup_.height);
@@ -139,6 +152,8 @@ class V4l2Node {
   const uint8_t* grey_of(const ::v4l2_buffer& buffer);
   const char* map_buffers();
   const char* start();
+  bool stream();
+  Status nothing_came();
   bool queue(int buffer);
   void take_back();
   bool any_lent() const;
@@ -148,7 +163,7 @@ class V4l2Node {
   bool find_frame_sync(uint32_t sequence, TimeNs& t) const;
   void tell_controls();
   void note_exposure(uint32_t sequence);
-  TimeNs exposure(uint32_t sequence);
+  void look_at_controls(uint32_t sequence);
   TimeNs mid_exposure(const ::v4l2_buffer& buffer, TimeNs arrival);
 
   V4l2Setup setup_;
@@ -162,11 +177,17 @@ class V4l2Node {
   V4l2Controls controls_;
   CameraControl control_;
   bool controlled_ = false;
+  bool multiplanar_ = false;
+  uint32_t type_ = 0;  // of the queue, as V4L2 counts them
+  uint32_t planes_ = 1;
   const PixelFormat* format_ = nullptr;
   bool limited_ = false;
   int stride_ = 0;           // of the camera's buffers; 0: JPEG has none
   uint8_t* grey_ = nullptr;  // an image for each buffer, if the camera's are not grey
   TimeNs started_t_ = 0, retry_t_ = 0;
+  bool gave_ = false;  // images, since it was opened: before, its trigger may not run yet
+  TimeNs came_t_ = 0;  // the newest of them, or the stream's start
+  bool stalls_ = false;
   TimeNs exposure_ns_ = 0;
   ExposedFrom exposures_[kExposures];  // a ring, the newest at exposure_at_ - 1
   int exposure_at_ = 0;

@@ -77,6 +77,32 @@ TEST_F(V4l2NodeTest, OtherFormatsBecomeGreyInMemoryOfOurOwn) {
   }
 }
 
+// As rkisp1 has it, which has no other interface.
+TEST_F(V4l2NodeTest, TheMultiPlanarInterfaceLendsTheLumaToo) {
+  for (const uint32_t format : {V4L2_PIX_FMT_GREY, V4L2_PIX_FMT_NV12M}) {
+    kernel = FakeKernel{};
+    camera().multiplanar = true;
+    camera().format = format;
+    V4l2Node node;
+    node.configure(setup_of(0), kNews, kFake);
+    V4l2Image image;
+    ASSERT_EQ(node.take(image), Status::kEmpty) << kernel.told.back();
+    for (uint32_t i = 0; i < 2 * V4l2Node::kBuffers; ++i) {
+      camera().shoot({now(), i, uint8_t(100 + i)});
+      ASSERT_EQ(node.take(image), Status::kOk);
+      EXPECT_EQ(image.data, camera().memory[i % V4l2Node::kBuffers].data()) << "no copy";
+      EXPECT_EQ(image.data[kBytes - 1], 100 + i);
+      node.give_back(image.buffer);
+    }
+    Shot cut = {now(), 99};
+    cut.cut = 1;
+    camera().shoot(cut);
+    EXPECT_EQ(node.take(image), Status::kEmpty);
+    EXPECT_EQ(node.counters().damaged, 1u) << "its plane is too short";
+    EXPECT_EQ(node.counters().converted, 0u);
+  }
+}
+
 TEST_F(V4l2NodeTest, TheRangeOfVideoIsStretchedWhereItIsToldOrSet) {
   const struct {
     uint32_t told;
@@ -220,6 +246,8 @@ TEST_F(V4l2NodeTest, AnImageSaysTheExposureItWasTakenWith) {
   const TimeNs t = begin_ + 20 * kMs;
   EXPECT_EQ(shot({t, 5}).exposure_ns, 6 * kMs);
   node_.control({10 * kMs, 1});
+  EXPECT_EQ(node_.exposure_of(6), 6 * kMs) << "of those to come";
+  EXPECT_EQ(node_.exposure_of(7), 10 * kMs);
   EXPECT_EQ(shot({t + 50 * kMs, 6}).exposure_ns, 6 * kMs);
   EXPECT_EQ(shot({t + 100 * kMs, 7}).t, us(t + 100 * kMs) + 5 * kMs);
   EXPECT_EQ(node_.counters().exposure_changed, 0u);
@@ -307,6 +335,35 @@ TEST_F(V4l2NodeTest, GoesAndComesBackWhileAnImageIsLent) {
                                           "/dev/video0: camera unplugged, waiting for it",
                                           "/dev/video0: camera started"};
   EXPECT_EQ(kernel.told, kTold);
+}
+
+TEST_F(V4l2NodeTest, OneThatStallsIsStartedAnewUntilImagesCome) {
+  V4l2Setup setup = setup_of(0);
+  setup.stall_ns = 20 * kMs;
+  start(setup);
+  const V4l2Image kept = shot({begin_ + kMs, 5});
+  camera().stalls_for = 2;
+  V4l2Image image;
+  const TimeNs until = now() + 3000 * kMs;
+  while (camera().stalls_for > 0 && now() < until) {
+    camera().shoot({now(), 6});
+    EXPECT_EQ(node_.take(image), Status::kEmpty);
+  }
+  EXPECT_EQ(node_.counters().stalled, 2u);
+  EXPECT_TRUE(node_.stalls());
+  EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers} - 1) << "but the one that is lent";
+  (void)shot({now() + kMs, 0});
+  EXPECT_FALSE(node_.stalls());
+  EXPECT_EQ(node_.counters().lost, 0u) << "it counts anew";
+  EXPECT_EQ(node_.counters().unplugged, 0u);
+  EXPECT_EQ(kernel.told.size(), 3u) << "once that it stalls, and that it goes on";
+  node_.give_back(kept.buffer);
+  EXPECT_EQ(node_.take(image), Status::kEmpty);
+  EXPECT_EQ(camera().queued.size(), size_t{V4l2Node::kBuffers} - 1);
+  camera().plugged = false;
+  const TimeNs gone = now() + 3000 * kMs;
+  while (node_.is_open() && now() < gone) (void)node_.take(image);
+  EXPECT_EQ(node_.counters().unplugged, 1u);
 }
 
 TEST_F(V4l2NodeTest, SaysOnceWhyThereIsNoCamera) {

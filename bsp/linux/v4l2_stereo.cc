@@ -94,9 +94,9 @@ bool V4l2Stereo::is_past(int c) const {
 bool V4l2Stereo::fetch(int c) {
   while (!heads_[c].here) {
     const Status status = nodes_[c].take(heads_[c].image);
-    const uint32_t opened = nodes_[c].counters().opened;
-    if (opened != times_opened_[c]) {  // it counts anew
-      times_opened_[c] = opened;
+    const uint32_t starts = nodes_[c].starts();
+    if (starts != starts_[c]) {  // it counts anew
+      starts_[c] = starts;
       counts_known_ = has_last_ = false;
     }
     if (status == Status::kBusFault) return false;
@@ -144,7 +144,8 @@ V4l2Stereo::Choice V4l2Stereo::choose_by_stamp() const {
 V4l2Stereo::Choice V4l2Stereo::alone() {
   const int c = heads_[0].here ? 0 : 1;
   const Choice choice = c == 0 ? kLeft : kRight;
-  if (setup_.cameras == 1 || !nodes_[1 - c].is_open()) return choice;
+  const V4l2Node& other = nodes_[1 - c];
+  if (setup_.cameras == 1 || !other.is_open() || other.stalls()) return choice;
   const TimeNs until = heads_[c].image.arrival + setup_.partner_wait_ns;
   if (now() >= until) return choice;
   alarm(until);

@@ -82,7 +82,7 @@ class V4l2Stereo {
   V4l2StereoSetup setup_;
   V4l2Node nodes_[kCamerasMax];
   Head heads_[kCamerasMax];
-  uint32_t times_opened_[kCamerasMax] = {};
+  uint32_t starts_[kCamerasMax] = {};
   bool counts_known_ = false;
   uint32_t count_offset_ = 0;  // count of camera 0 minus that of camera 1
   bool has_last_ = false;

@@ -194,6 +194,13 @@ size_t encode(TimeNs t, bool level, const Pose* pose, uint32_t sequence, uint8_t
   });
 }
 
+size_t encode(const PpsMessage& message, uint32_t sequence, uint8_t* out) {
+  return write(plain(Kind::kPps, sequence), out, [&](Writer& body) {
+    body.put(message.t).put(message.rate_ppb).put(message.noise_ns);
+    body.put(message.pulses).put(message.odd);
+  });
+}
+
 size_t encode(const ClockMessage& message, Kind kind, uint32_t sequence, uint8_t* out) {
   return write(plain(kind, sequence), out,
                [&](Writer& body) { body.put(message.t_host).put(message.t_device); });
@@ -264,6 +271,17 @@ bool decode(const Header& header, const uint8_t* payload, SyncInMessage& out) {
   out.has_pose = in.get<uint8_t>() != 0;
   if (header.kind != Kind::kSyncIn || !in.ok()) return false;
   return (!out.has_pose || get_pose(in, out.pose)) && in.left() == 0;
+}
+
+bool decode(const Header& header, const uint8_t* payload, PpsMessage& out) {
+  Reader in(payload, header.size);
+  out.t = in.get<TimeNs>();
+  out.rate_ppb = in.get<double>();
+  out.noise_ns = in.get<float>();
+  out.pulses = in.get<uint32_t>();
+  out.odd = in.get<uint32_t>();
+  return header.kind == Kind::kPps && in.ok() && in.left() == 0 && std::isfinite(out.rate_ppb) &&
+         std::isfinite(out.noise_ns);
 }
 
 bool decode(const Header& header, const uint8_t* payload, ClockMessage& out) {

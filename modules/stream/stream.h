@@ -29,6 +29,7 @@ enum class Kind : uint8_t {
   kThumbnail,       // of the left camera, in parts
   kSyncIn,          // an edge of SYNC_IN, and the pose at its time
   kClock,           // answer to kAskClock
+  kPps,             // the external clock, at each of its pulses
   kSubscribe = 32,  // to the device: send me these kinds for so long
   kAskClock,        // to the device: what time is it?
 };
@@ -89,6 +90,15 @@ struct SyncInMessage {
   PoseMessage pose;
 };
 
+// SYNC_IN as a pulse per second: seconds of the external clock begin at t + k (1 s + rate_ppb ns).
+struct PpsMessage {
+  TimeNs t = 0;         // when its newest second began
+  double rate_ppb = 0;  // by how much the device's clock is fast
+  float noise_ns = 0;   // rms of its pulses about that line
+  uint32_t pulses = 0;  // that were counted, and that were no second
+  uint32_t odd = 0;
+};
+
 struct ClockMessage {
   TimeNs t_host = 0;    // as it was asked
   TimeNs t_device = 0;  // when it was answered
@@ -108,6 +118,7 @@ size_t encode(const PointsMessage& message, const Header& header, uint8_t* out);
 size_t encode(const ThumbnailMessage& message, const Header& header, uint8_t* out);
 // `pose`: nullptr: there is none.
 size_t encode(TimeNs t, bool level, const Pose* pose, uint32_t sequence, uint8_t* out);
+size_t encode(const PpsMessage& message, uint32_t sequence, uint8_t* out);
 size_t encode(const ClockMessage& message, Kind kind, uint32_t sequence, uint8_t* out);
 size_t encode(const SubscribeMessage& message, uint8_t* out);
 // Text as it is; the caller keeps it below kMax - kHeaderBytes.
@@ -119,6 +130,7 @@ size_t encode_text(const TextWriter& text, const Header& header, uint8_t* out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, PointsMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, ThumbnailMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, SyncInMessage& out);
+[[nodiscard]] bool decode(const Header& header, const uint8_t* payload, PpsMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, ClockMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, SubscribeMessage& out);
 

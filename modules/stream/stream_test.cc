@@ -129,6 +129,19 @@ TEST(stream, every_other_kind_comes_back) {
   EXPECT_TRUE(edge.level && edge.has_pose);
   EXPECT_EQ(edge.pose.t, pose.state.t);
 
+  PpsMessage pps, pps_out;
+  const size_t pps_size = encode(PpsMessage{88, -12'345.5, 250, 40, 2}, 3, bytes);
+  ASSERT_TRUE(decode(bytes, pps_size, header));
+  ASSERT_TRUE(decode(header, bytes + kHeaderBytes, pps_out));
+  EXPECT_EQ(pps_out.t, 88);
+  EXPECT_EQ(pps_out.rate_ppb, -12'345.5);
+  EXPECT_EQ(pps_out.noise_ns, 250);
+  EXPECT_EQ(pps_out.pulses, 40u);
+  EXPECT_EQ(pps_out.odd, 2u);
+  pps.rate_ppb = std::numeric_limits<double>::infinity();
+  ASSERT_TRUE(decode(bytes, encode(pps, 3, bytes), header));
+  EXPECT_FALSE(decode(header, bytes + kHeaderBytes, pps_out));
+
   SubscribeMessage subscribe;
   ASSERT_TRUE(decode(bytes, encode({bit(Kind::kPose), 5}, bytes), header));
   ASSERT_TRUE(decode(header, bytes + kHeaderBytes, subscribe));

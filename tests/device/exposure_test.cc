@@ -1,11 +1,16 @@
 // Exposure and gain through real controls of V4L2: a sensor that begins in the dark, light that
-// changes at once, and another program that meddles.
+// changes at once, and another program that meddles; and the pin that triggers it, seen from
+// outside.
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
+#include <map>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
+#include <sstream>
+#include <string>
 #include <vector>
 
 #include "modules/exposure/brightness.h"
@@ -44,13 +49,27 @@ size_t settled(const std::vector<double>& errors, size_t from, size_t count) {
   return errors.size();
 }
 
+constexpr size_t kDim = 60, kMeddle = 110;
+
+const DeviceRun& exposed_run() {
+  static const DeviceRun run = [] {
+    GuestSetup setup;
+    setup.name = "device_exposure";
+    // It begins with a tenth of the exposure that the recording was taken with.
+    setup.camera = "exposure=4 dim_at=60 meddle_at=110 mplane=1";
+    setup.grid = true;
+    setup.robot = "9 0 0";
+    setup.config =
+        "pin.trigger = TRIGGER\n"
+        "trigger.rate_hz = 20\n"
+        "trigger.width_us = 800\n";
+    return run_guest(fed_recording(), setup);
+  }();
+  return run;
+}
+
 TEST(device_exposure, settles_in_the_dark_after_a_change_and_after_another_program) {
-  GuestSetup setup;
-  setup.name = "device_exposure";
-  constexpr size_t kDim = 60, kMeddle = 110;
-  // It begins with a tenth of the exposure that the recording was taken with.
-  setup.camera = "exposure=4 dim_at=60 meddle_at=110";
-  const DeviceRun run = run_guest(fed_recording(), setup);
+  const DeviceRun& run = exposed_run();
   ASSERT_EQ(run.status, 0) << run.console;
   std::printf("%s%s", run.fed.c_str(), run.news.c_str());
   EXPECT_TRUE(run.says("pirvsd ended with 0")) << run.console;
@@ -67,7 +86,74 @@ TEST(device_exposure, settles_in_the_dark_after_a_change_and_after_another_progr
   EXPECT_EQ(run.counter("camera.left.exposure_changed"), 1u);
   EXPECT_EQ(run.counter("camera.right.exposure_changed"), 1u);
   EXPECT_EQ(run.counter("camera.left.control_refused"), 0u);
+  EXPECT_EQ(run.counter("camera.left.converted"), 0u) << "also by the multi-planar interface";
   EXPECT_GT(run.counter("output.lines"), errors.size() / 2) << "it tracks";
+}
+
+// Exposures of the left camera's images, by the point of the trigger's grid that is nearest.
+std::map<TimeNs, TimeNs> exposures_of(const DeviceRun& run, TimeNs period) {
+  std::map<TimeNs, TimeNs> out;
+  std::istringstream log(text_of(run.folder + "/kernel"));
+  for (std::string line; std::getline(log, line);) {
+    const size_t at = line.find("test_camera0 exposed ");
+    long long stamp = 0, exposure_us = 0;
+    if (at == std::string::npos) continue;
+    if (std::sscanf(line.c_str() + at, "test_camera0 exposed %lld for %lld", &stamp,
+                    &exposure_us) != 2) {
+      continue;
+    }
+    out[(stamp + period / 2) / period * period] = 1000 * exposure_us;
+  }
+  return out;
+}
+
+// The images do not come of the pulses here, but at the grid's points, as often: each pulse must
+// stand half of its image's exposure before it.
+TEST(device_exposure, a_pin_triggers_half_an_exposure_before_the_grid) {
+  constexpr TimeNs kPeriod = 50'000'000, kTolerance = 100'000;
+  const DeviceRun& run = exposed_run();
+  ASSERT_EQ(run.status, 0) << run.console;
+  const std::vector<TimeNs> up = run.robot_times("TRIGGER", 1),
+                            down = run.robot_times("TRIGGER", 0);
+  ASSERT_GT(up.size(), 200u) << "12.5 s at 20 Hz, but for the program's end";
+  EXPECT_EQ(run.counter("trigger.left_out"), 0u);
+  EXPECT_EQ(run.counter("trigger.late"), 0u);
+  EXPECT_GE(run.counter("trigger.pulses"), up.size());
+  const std::map<TimeNs, TimeNs> exposures = exposures_of(run, kPeriod);
+  ASSERT_GT(exposures.size(), 150u);
+  // Later commands than the sensor's delay wants, or another program's, show in the image itself.
+  const auto known = [&](TimeNs point) {
+    const auto image = static_cast<size_t>((point - exposures.begin()->first) / kPeriod);
+    return image > 2 && (image < kMeddle || image > kMeddle + 3);
+  };
+  std::vector<TimeNs> off;
+  TimeNs least = INT64_MAX, most = 0;
+  for (size_t i = 0; i < up.size(); ++i) {
+    const TimeNs point = (up[i] - kTolerance + kPeriod - 1) / kPeriod * kPeriod;
+    if (i > 0) {
+      const TimeNs before = (up[i - 1] - kTolerance + kPeriod - 1) / kPeriod * kPeriod;
+      EXPECT_EQ(point - before, kPeriod) << "no pulse is missing, none is too many: " << i;
+    }
+    const auto image = exposures.find(point);
+    if (image == exposures.end() || !known(point)) continue;
+    const TimeNs lead = image->second / 2;
+    off.push_back(std::abs(up[i] - (point - lead)));
+    EXPECT_LT(off.back(), kTolerance)
+        << "image of " << point << ", lead " << point - up[i] << " instead of " << lead;
+    least = std::min(least, lead);
+    most = std::max(most, lead);
+  }
+  ASSERT_GT(off.size(), 140u);
+  std::sort(off.begin(), off.end());
+  std::printf(
+      "TRIGGER from half an exposure (%.1f to %.1f ms) before its point, us: median %.1f, "
+      "p99 %.1f, max %.1f, of %zu\n",
+      1e-6 * double(least), 1e-6 * double(most), 1e-3 * double(off[off.size() / 2]),
+      1e-3 * double(off[off.size() * 99 / 100]), 1e-3 * double(off.back()), off.size());
+  EXPECT_GT(most, 2 * least) << "the exposure did change";
+  for (size_t i = 0; i < std::min(up.size(), down.size()); ++i) {
+    EXPECT_NEAR(double(down[i] - up[i]), 800e3, 100e3) << i;
+  }
 }
 
 }  // namespace

@@ -41,8 +41,8 @@ void write_guest_files(const tools::Recording& recording, const std::string& fol
   std::ofstream(folder + "/guest")
       << "width=" << camera.width << "\nheight=" << camera.height
       << "\nicm20602=" << (setup.icm20602 ? 1 : 0) << "\nfeed=\"" << (setup.faults ? "faults " : "")
-      << (setup.icm20602 ? "icm20602 " : "") << "loop " << setup.loop_s << "\"\nrobot=\""
-      << setup.robot << "\"\ncamera=\"" << setup.camera
+      << (setup.icm20602 ? "icm20602 " : "") << (setup.grid ? "grid " : "") << "loop "
+      << setup.loop_s << "\"\nrobot=\"" << setup.robot << "\"\ncamera=\"" << setup.camera
       << "\"\ntrouble=" << (setup.trouble ? "yes" : "no") << "\ncut=" << setup.cut_s << "\n";
 }
 

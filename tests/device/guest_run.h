@@ -19,6 +19,7 @@ struct GuestSetup {
   bool icm20602 = false;  // the IMU as a chip on I2C, else by the kernel's driver
   bool record = true;
   bool trouble = false;  // the clock is set, memory runs out, and the disk that is recorded on
+  bool grid = false;     // images at multiples of 50 ms of the guest's clock
   double loop_s = 0;     // so long the recording's end is played again and again
   double cut_s = 0;      // after so long the power goes; recorded is on `disk`
   std::string disk;      // a file with an ext4 file system

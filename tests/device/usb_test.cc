@@ -80,6 +80,7 @@ std::string write_guest_files(const tools::Recording& recording) {
          "output.poses = 192.168.7.2:14550\n"
          "output.serial = /dev/ttyGS0\n"
          "output.images = /run/pirvs/images\n"
+         "recordings = /run/recordings\n"
          "usb.serial = 0001\n"
          "usb.video = left\n"
       << "usb.size = " << camera.width << " " << camera.height << "\n";
@@ -187,6 +188,8 @@ TEST_F(usb, the_line_obeys) {
       "error a line that is too long, or no text",
       "error a line that is too long, or no text",
       "error map save|load NAME",
+      "ok record start",
+      "ok record stop",
       "ok counters ",
   };
   // Once the cable is back; what the terminal echoed before it was raw may have an answer before.
@@ -197,6 +200,7 @@ TEST_F(usb, the_line_obeys) {
     EXPECT_EQ(answers[i].substr(0, first[i].size()), first[i]);
   }
   EXPECT_TRUE(std::equal(last.rbegin(), last.rend(), answers.rbegin())) << run().peer;
+  EXPECT_GT(run().value("disk.flushes"), 0) << "of the recording that was started by command";
 }
 
 TEST_F(usb, shows_the_cameras_pixels) {

@@ -50,6 +50,10 @@ class Screen {
                  to_seconds(pose.t), pose.p_WB.x(), pose.p_WB.y(), pose.p_WB.z(), pose.v_WB.norm(),
                  name(pose.health), double(pose.confidence), log.path_m(), rate, kB_s, totals.lost);
     if (clock.known) std::fprintf(stderr, "  clock +-%.2f ms", 5e-7 * double(clock.round_trip_ns));
+    if (!log.pps().empty()) {
+      std::fprintf(stderr, "  pps %+.0f ppb +-%.0f ns", log.pps().back().rate_ppb,
+                   double(log.pps().back().noise_ns));
+    }
     std::fprintf(stderr, "\n");
   }
 
@@ -61,7 +65,7 @@ class Screen {
 uint32_t wanted_kinds(const Options& options) {
   uint32_t kinds = 0;
   for (const Kind kind :
-       {Kind::kPose, Kind::kHealth, Kind::kCounters, Kind::kPoints, Kind::kSyncIn}) {
+       {Kind::kPose, Kind::kHealth, Kind::kCounters, Kind::kPoints, Kind::kSyncIn, Kind::kPps}) {
     kinds |= stream::bit(kind);
   }
   return options.no_images ? kinds : kinds | stream::bit(Kind::kThumbnail);

@@ -72,6 +72,9 @@ TEST_F(listen, makes_a_run_folder_of_what_the_device_tells) {
   for (int i = 0; i < 100; ++i) device_.pose(pose_at(i * 5 * kMilli));
   device_.health(7, HealthState::kLost, "no images");
   device_.event({{123, {}, true}, true, pose_at(123)});
+  bsp::Pps clock;  // 50 ppm slower than ours
+  for (int i = 0; i < 5; ++i) ASSERT_TRUE(clock.add(i * TimeNs{1'000'050'000}));
+  device_.pps(clock);
   static uint8_t pixels[64 * 48];
   for (size_t i = 0; i < sizeof pixels; ++i) pixels[i] = static_cast<uint8_t>(i);
   StereoFrame frame;
@@ -94,6 +97,12 @@ TEST_F(listen, makes_a_run_folder_of_what_the_device_tells) {
   const auto json = nlohmann::json::parse(summary);
   EXPECT_EQ(json["poses"], 100);
   EXPECT_EQ(json["sync_in_edges"], 1);
+  EXPECT_NEAR(json["external_clock"]["rate_ppb"].get<double>(), 50'000, 1);
+  EXPECT_EQ(json["external_clock"]["second_t_ns"], 4 * 1'000'050'000LL);
+  std::ifstream pulses(folder_ + "/run/pps.csv");
+  std::string heading, row;
+  ASSERT_TRUE(std::getline(pulses, heading) && std::getline(pulses, row));
+  EXPECT_EQ(row, "4000200000,50000.0,0,5,0");
   EXPECT_NEAR(json["path_m"].get<double>(), 0.495, 1e-9);
   // Both ends are this machine.
   EXPECT_LT(std::abs(listener.clock().offset_ns), listener.clock().round_trip_ns);

@@ -80,6 +80,12 @@ bool StreamLog::take(const stream::Header& header, const uint8_t* payload) {
       sync_in_.push_back(edge);
       return true;
     }
+    case Kind::kPps: {
+      stream::PpsMessage pps;
+      if (!decode(header, payload, pps)) return false;
+      pps_.push_back(pps);
+      return true;
+    }
     case Kind::kCounters:
       take_counters(header, payload);
       return true;
@@ -136,6 +142,14 @@ void StreamLog::write(const std::string& source, const ClockOffset& clock) const
     sync_in += "\n";
   }
   out.write("sync_in.csv", sync_in);
+  std::string pps = "#t_ns,rate_ppb,noise_ns,pulses,odd\n";
+  for (const auto& pulse : pps_) {
+    char line[120];
+    std::snprintf(line, sizeof line, "%lld,%.1f,%.0f,%u,%u\n", static_cast<long long>(pulse.t),
+                  pulse.rate_ppb, double(pulse.noise_ns), pulse.pulses, pulse.odd);
+    pps += line;
+  }
+  out.write("pps.csv", pps);
   std::string map = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(points_.size()) +
                     "\nproperty float x\nproperty float y\nproperty float z\nend_header\n";
   for (const auto& [id, point] : points_) {
@@ -164,6 +178,12 @@ void StreamLog::write(const std::string& source, const ClockOffset& clock) const
   if (clock.known) {
     summary["device_clock"] = {{"offset_ns", clock.offset_ns},
                                {"round_trip_ns", clock.round_trip_ns}};
+  }
+  if (!pps_.empty()) {
+    summary["external_clock"] = {{"second_t_ns", pps_.back().t},
+                                 {"rate_ppb", pps_.back().rate_ppb},
+                                 {"noise_ns", pps_.back().noise_ns},
+                                 {"pulses", pps_.back().pulses}};
   }
   out.write("summary.json", summary.dump(2) + "\n");
   out.commit();

@@ -46,6 +46,47 @@ void grey_from_words_neon(const RawImage& in, int shift, uint8_t* out, int out_s
   }
 }
 
+namespace {
+
+// As many whole blocks as end before the row's last pixel, behind which no byte need be there; how
+// many pixels those are.
+int unpack_twelve(const uint8_t* from, int width, uint8_t* to) {
+  int x = 0;
+  for (; x + 2 * kLanes < width; x += 2 * kLanes) {
+    const uint8x16x3_t bytes = vld3q_u8(from + x / 2 * 3);
+    const uint8x16x2_t pixels = {{bytes.val[0], bytes.val[1]}};
+    vst2q_u8(to + x, pixels);
+  }
+  return x;
+}
+
+int unpack_ten(const uint8_t* from, int width, uint8_t* to) {
+  // Of 20 bytes, of which the second register begins with the fifth: 12 and more are at its 16.
+  constexpr uint8_t kPlaces[kLanes] = {0, 1, 2, 3, 5, 6, 7, 8, 10, 11, 12, 13, 27, 28, 29, 30};
+  const uint8x16_t places = vld1q_u8(kPlaces);
+  int x = 0;
+  for (; x + kLanes < width; x += kLanes) {
+    const uint8_t* const at = from + x / 4 * 5;
+    const uint8x16x2_t bytes = {{vld1q_u8(at), vld1q_u8(at + 4)}};
+    vst1q_u8(to + x, vqtbl2q_u8(bytes, places));
+  }
+  return x;
+}
+
+}  // namespace
+
+void grey_from_packed_neon(const RawImage& in, int group, uint8_t* out, int out_stride) {
+  PIRVS_ASSERT(in.width > 0 && in.height > 0 && out_stride >= in.width);
+  PIRVS_ASSERT(group == 3 || group == 5);
+  const int pixels = group - 1;
+  for (int y = 0; y < in.height; ++y) {
+    const uint8_t* const from = in.data + static_cast<ptrdiff_t>(y) * in.stride;
+    uint8_t* const to = out + static_cast<ptrdiff_t>(y) * out_stride;
+    int x = group == 3 ? unpack_twelve(from, in.width, to) : unpack_ten(from, in.width, to);
+    for (; x < in.width; ++x) to[x] = from[x / pixels * group + x % pixels];
+  }
+}
+
 // In place a block is read with the pixel behind it before it is written, a row before the next.
 void grey_from_bayer_neon(const RawImage& in, uint8_t* out, int out_stride) {
   PIRVS_ASSERT(in.width > 1 && in.height > 1 && out_stride >= in.width);

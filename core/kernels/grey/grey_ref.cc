@@ -28,6 +28,17 @@ void grey_from_words_ref(const RawImage& in, int shift, uint8_t* out, int out_st
   }
 }
 
+void grey_from_packed_ref(const RawImage& in, int group, uint8_t* out, int out_stride) {
+  PIRVS_ASSERT(in.width > 0 && in.height > 0 && out_stride >= in.width);
+  PIRVS_ASSERT(group == 3 || group == 5);
+  const int pixels = group - 1;
+  for (int y = 0; y < in.height; ++y) {
+    const uint8_t* const from = in.data + static_cast<ptrdiff_t>(y) * in.stride;
+    uint8_t* const to = out + static_cast<ptrdiff_t>(y) * out_stride;
+    for (int x = 0; x < in.width; ++x) to[x] = from[x / pixels * group + x % pixels];
+  }
+}
+
 void grey_from_bayer_ref(const RawImage& in, uint8_t* out, int out_stride) {
   PIRVS_ASSERT(in.width > 1 && in.height > 1 && out_stride >= in.width);
   for (int y = 0; y + 1 < in.height; ++y) {

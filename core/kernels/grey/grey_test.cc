@@ -58,6 +58,26 @@ TEST(grey, neon_equals_reference) {
   }
 }
 
+TEST(grey, neon_equals_reference_for_packed_bits) {
+  for (const int group : {3, 5}) {
+    const auto packed = [group](auto* kernel) {
+      return [=](const RawImage& in, uint8_t* out, int out_stride) {
+        kernel(in, group, out, out_stride);
+      };
+    };
+    for (int content = 0; content < 3; ++content) {
+      for (const int height : {1, 2, 5}) {
+        for (int width = 1; width < 140; ++width) {
+          const int pixels = group - 1;
+          const int bytes = (width - 1) / pixels * group + (width - 1) % pixels + 1;
+          expect_same(Raw(width, height, bytes + width % 4, bytes, content),
+                      packed(grey_from_packed_ref), packed(grey_from_packed_neon));
+        }
+      }
+    }
+  }
+}
+
 TEST(grey, neon_equals_reference_for_colour) {
   const auto rgb = [](auto* kernel, bool blue_first) {
     return [=](const RawImage& in, uint8_t* out, int out_stride) {
@@ -120,6 +140,15 @@ TEST(grey, knows_red_from_blue_and_stretches_the_range_of_video) {
   EXPECT_EQ(out[2], 128);
   EXPECT_EQ(out[3], 255);
   EXPECT_EQ(out[4], 255);
+}
+
+TEST(grey, leaves_the_packed_lower_bits_out) {
+  const uint8_t ten[] = {1, 2, 3, 4, 0xff, 5, 6}, twelve[] = {1, 2, 0xff, 3, 4, 0xff, 5, 6};
+  uint8_t out[6];
+  grey_from_packed({ten, 7, 6, 1}, 5, out, 6);
+  for (int x = 0; x < 6; ++x) EXPECT_EQ(out[x], x + 1);
+  grey_from_packed({twelve, 8, 6, 1}, 3, out, 6);
+  for (int x = 0; x < 6; ++x) EXPECT_EQ(out[x], x + 1);
 }
 
 TEST(grey, takes_the_luma_and_the_upper_bits) {

@@ -1,9 +1,10 @@
 // Plays a packed recording through the test modules, as sensors would: each IMU sample is measured
 // at its time, each pair of images comes kTransfer_ns after the middle of its exposure.
-// usage: feeder PACK [faults] [icm20602] [loop SECONDS]. With faults, what kFaults lists goes
-// wrong. In a loop what comes kLoopFrom_ns after its start is played again and again, for so long:
-// a flight in circles goes on, and rest does. Runs above pirvsd and below the kernel's threads for
-// interrupts, which else would miss edges.
+// usage: feeder PACK [faults] [icm20602] [grid] [loop SECONDS]. With grid, the first image is of a
+// whole multiple of kGrid_ns. With faults, what kFaults lists goes wrong. In a loop what comes
+// kLoopFrom_ns after its start is played again and again, for so long: a flight in circles goes on,
+// and rest does. Runs above pirvsd and below the kernel's threads for interrupts, which else would
+// miss edges.
 // Out     On standard output: "shift NS", what was added to the recording's time, a whole number of
 //         microseconds, since V4L2 stamps have no more; "fed F frames S samples, R refused, C
 //         clipped" at the end. The scale is the driver's, so values are multiples of it; that of
@@ -29,9 +30,10 @@ namespace {
 
 constexpr TimeNs kLead_ns = 2'000'000'000;  // from now to the first item
 constexpr TimeNs kTransfer_ns = 5'000'000;
+constexpr TimeNs kGrid_ns = 50'000'000;
 constexpr TimeNs kMicro = 1'000;
 
-enum What : uint32_t { kGood, kBad, kPull, kPlug };  // as test_camera.c has them
+enum What : uint32_t { kGood, kBad, kPull, kPlug, kStall };  // as test_camera.c has them
 
 struct Shot {
   uint64_t stamp_ns;
@@ -47,6 +49,7 @@ enum class Fault : uint8_t {
   kPlugged,
   kImuPulled,
   kImuPlugged,
+  kStalled,
   kDark
 };
 struct FaultAt {
@@ -55,15 +58,16 @@ struct FaultAt {
   uint8_t cameras;
 };
 constexpr FaultAt kFaults[] = {
-    {30, Fault::kMissing, 2},                              // half a pair
-    {40, Fault::kDamaged, 1},                              // likewise
-    {50, Fault::kMissing, 3},                              // a whole one
-    {60, Fault::kPulled, 3},                               // both cameras, and back after 0.8 s
-    {76, Fault::kPlugged, 3},                              //
-    {96, Fault::kImuPulled, 0},                            // and back after 0.3 s
-    {102, Fault::kImuPlugged, 0}, {150, Fault::kDark, 3},  // to the end
+    {30, Fault::kMissing, 2},                               // half a pair
+    {40, Fault::kDamaged, 1},                               // likewise
+    {50, Fault::kMissing, 3},                               // a whole one
+    {60, Fault::kPulled, 3},                                // both cameras, and back after 0.8 s
+    {76, Fault::kPlugged, 3},                               //
+    {88, Fault::kImuPulled, 0},                             // and back after 0.3 s
+    {94, Fault::kImuPlugged, 0}, {98, Fault::kStalled, 1},  // until its stream is started anew
+    {150, Fault::kDark, 3},                                 // to the end
 };
-bool with_faults = false, icm20602 = false;
+bool with_faults = false, icm20602 = false, on_grid = false;
 double loop_s = 0;
 
 Fault fault_at(uint32_t frame, int camera) {
@@ -245,7 +249,7 @@ struct TestCamera {
     return write(fd, message, size) == static_cast<ssize_t>(size);
   }
   void plug(What what) const {
-    const Shot shot = {0, 0, what};
+    const Shot shot = {0, 1, what};
     if (write(fd, &shot, sizeof shot) != sizeof shot) std::perror("plug");
   }
 };
@@ -256,6 +260,7 @@ void feed_image(TestCamera& camera, Fault fault, TimeNs stamp, const uint8_t* pi
   char path[80];
   if (fault == Fault::kPulled) camera.plug(kPull);
   if (fault == Fault::kPlugged) camera.plug(kPlug);
+  if (fault == Fault::kStalled) camera.plug(kStall);
   if (!icm20602 && (fault == Fault::kImuPulled || fault == Fault::kImuPlugged)) {
     std::snprintf(path, sizeof path, "%s%s", kDriver,
                   fault == Fault::kImuPulled ? "unbind" : "bind");
@@ -311,8 +316,12 @@ int feed(const char* path) {
   if (bytes == MAP_FAILED || pack.open(bytes, static_cast<size_t>(size)) != Status::kOk) {
     fail("not a packed recording");
   }
+  // Not before: to look through a pack takes 0.2 s, in which nothing of pirvsd would run.
+  const sched_param urgent{46};
+  if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   const TimeNs begin = pack.imu(0).t < pack.frame(0).t ? pack.imu(0).t : pack.frame(0).t;
-  const TimeNs shift = (bsp::now() + kLead_ns - begin) / kMicro * kMicro;
+  TimeNs shift = (bsp::now() + kLead_ns - begin) / kMicro * kMicro;
+  if (on_grid) shift += (kGrid_ns - (pack.frame(0).t + shift) % kGrid_ns) / kMicro * kMicro;
   std::printf("shift %lld\n", static_cast<long long>(shift));
   std::fflush(stdout);
   Fed fed;
@@ -330,11 +339,10 @@ int main(int argc, char** argv) {
   for (int i = 2; i < argc; ++i) {
     pirvs::with_faults |= std::strcmp(argv[i], "faults") == 0;
     pirvs::icm20602 |= std::strcmp(argv[i], "icm20602") == 0;
+    pirvs::on_grid |= std::strcmp(argv[i], "grid") == 0;
     const bool loop = std::strcmp(argv[i], "loop") == 0 && i + 1 < argc;
     if (loop) pirvs::loop_s = std::atof(argv[i + 1]);
   }
-  const sched_param urgent{46};
-  if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   const int status = pirvs::feed(argv[1]);
   const sched_param none{0};  // to give memory back takes long, and others wait
   (void)sched_setscheduler(0, SCHED_OTHER, &none);

@@ -1,9 +1,10 @@
 // What stands at the other end of the device's pins: puts edges on SYNC_IN and turns a wheel, and
-// writes down when the kernel saw SYNC_OUT and HEALTH change.
+// writes down when the kernel saw SYNC_OUT, HEALTH and TRIGGER change.
 // usage: robot SECONDS SYNC_PERIOD_US WHEEL_PERIOD_US, times of this guest; 0: that one rests
 //        robot hog: takes all memory that there is
 // Out     On standard output: "sync T", the time chosen for a rising edge of SYNC_IN, "wheel TICKS"
-//         turned in all, "SYNC_OUT T LEVEL", "HEALTH T LEVEL", "lost N" edges that it missed.
+//         turned in all, "SYNC_OUT T LEVEL", HEALTH and TRIGGER likewise, "lost N" edges that it
+//         missed.
 #include <fcntl.h>
 #include <linux/gpio.h>
 #include <poll.h>
@@ -20,7 +21,14 @@
 namespace {
 
 // Lines of test_gpio.c, and what its outputs are wired to.
-enum Line : uint32_t { kSyncIn = 5, kLeftA = 6, kLeftB = 7, kSyncOut = 3 + 16, kHealth = 4 + 16 };
+enum Line : uint32_t {
+  kSyncIn = 5,
+  kLeftA = 6,
+  kLeftB = 7,
+  kSyncOut = 3 + 16,
+  kHealth = 4 + 16,
+  kTrigger = 11 + 16
+};
 constexpr int64_t kMilli = 1'000'000, kSecond = 1'000'000'000;
 
 struct Level {
@@ -60,7 +68,8 @@ int listen() {
   gpio_v2_line_request request{};
   request.offsets[0] = kSyncOut;
   request.offsets[1] = kHealth;
-  request.num_lines = 2;
+  request.offsets[2] = kTrigger;
+  request.num_lines = 3;
   request.event_buffer_size = 1024;
   request.config.flags =
       GPIO_V2_LINE_FLAG_INPUT | GPIO_V2_LINE_FLAG_EDGE_RISING | GPIO_V2_LINE_FLAG_EDGE_FALLING;
@@ -69,13 +78,17 @@ int listen() {
   return request.fd;
 }
 
+const char* name_of(uint32_t line) {
+  if (line == kTrigger) return "TRIGGER";
+  return line == kSyncOut ? "SYNC_OUT" : "HEALTH";
+}
+
 void note(int fd, uint32_t& seen, uint32_t& lost) {
   gpio_v2_line_event event;
   while (read(fd, &event, sizeof event) == sizeof event) {
     lost += event.seqno - seen - 1;
     seen = event.seqno;
-    std::printf("%s %lld %d\n", event.offset == kSyncOut ? "SYNC_OUT" : "HEALTH",
-                static_cast<long long>(event.timestamp_ns),
+    std::printf("%s %lld %d\n", name_of(event.offset), static_cast<long long>(event.timestamp_ns),
                 event.id == GPIO_V2_LINE_EVENT_RISING_EDGE);
   }
 }

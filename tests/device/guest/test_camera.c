@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-2.0
-// Cameras for tests: each is a plain V4L2 capture device (GREY, MMAP), and shows what is written to
+// Cameras for tests: each is a plain V4L2 capture device (GREY, MMAP; with mplane=1 of the
+// multi-planar interface alone, as rkisp1), and shows what is written to
 // /dev/test_cameraN: a struct shot and the pixels. As a sensor does, a camera without a free buffer
-// loses the image, and its sequence goes on. A struct shot alone pulls the camera or plugs it in.
+// loses the image, and its sequence goes on. A struct shot alone pulls the camera, plugs it in, or
+// makes it stall until its stream has been started `skip` times.
 // With exposure=N it has controls of exposure and gain, which begin so and are true of the second
 // image after they were set: what is written is what 4 ms and gain 16 show of the scene. From image
 // dim_at on it has 30 % of its light; at image meddle_at the exposure is set as another program would.
+// The kernel's log then has "test_cameraN exposed STAMP for US" of each image.
 #include <linux/miscdevice.h>
 #include <linux/module.h>
 #include <linux/uaccess.h>
@@ -18,6 +21,8 @@
 
 static int cameras = 2, width = 752, height = 480;
 static int exposure, dim_at, meddle_at;
+static bool mplane;
+module_param(mplane, bool, 0444);
 module_param(exposure, int, 0444); // 100 us; 0: no controls
 module_param(dim_at, int, 0444);
 module_param(meddle_at, int, 0444);
@@ -30,7 +35,7 @@ struct shot {
 	u32 skip;     // images that the sensor lost before this one
 	u32 what;
 };
-enum { SHOT_GOOD, SHOT_BAD /* V4L2_BUF_FLAG_ERROR */, CAMERA_PULL, CAMERA_PLUG };
+enum { SHOT_GOOD, SHOT_BAD /* V4L2_BUF_FLAG_ERROR */, CAMERA_PULL, CAMERA_PLUG, CAMERA_STALL };
 
 struct buffer {
 	struct vb2_v4l2_buffer vb;
@@ -48,9 +53,10 @@ struct camera {
 	char name[24];
 	u32 sequence;
 	bool streaming;
+	u32 stalls;
 	struct v4l2_ctrl_handler controls;
 	struct v4l2_ctrl *exposure, *gain;
-	u32 product; // of both, for the next image
+	u32 latched, product; // exposure, and that by gain, of the next image
 	int shots;
 };
 static struct camera *all[CAMERAS_MAX];
@@ -105,6 +111,7 @@ static int start_streaming(struct vb2_queue *q, unsigned int count)
 	struct camera *c = vb2_get_drv_priv(q);
 
 	c->sequence = 0;
+	c->stalls -= c->stalls > 0;
 	c->streaming = true;
 	return 0;
 }
@@ -150,12 +157,13 @@ static int add_controls(struct camera *c)
 	c->gain = v4l2_ctrl_new_std(&c->controls, &control_ops, V4L2_CID_GAIN, GAIN_ONE,
 				    16 * GAIN_ONE, 1, GAIN_ONE);
 	c->v4l2.ctrl_handler = &c->controls;
+	c->latched = exposure;
 	c->product = exposure * GAIN_ONE;
 	return c->controls.error;
 }
 
 // The sensor latches its registers when an image begins: the next one has them.
-static void expose(struct camera *c, u8 *pixels, size_t count)
+static void expose(struct camera *c, u64 stamp_ns, u8 *pixels, size_t count)
 {
 	u32 light = dim_at && c->shots >= dim_at ? 30 : 100;
 	u8 seen[256];
@@ -165,7 +173,9 @@ static void expose(struct camera *c, u8 *pixels, size_t count)
 		seen[i] = min_t(u64, div64_u64(i * (u64)c->product * light, FULL), 255);
 	for (i = 0; i < count; i++)
 		pixels[i] = seen[pixels[i]];
-	c->product = v4l2_ctrl_g_ctrl(c->exposure) * v4l2_ctrl_g_ctrl(c->gain);
+	printk(KERN_DEBUG "%s exposed %llu for %u\n", c->name, stamp_ns, 100 * c->latched);
+	c->latched = v4l2_ctrl_g_ctrl(c->exposure);
+	c->product = c->latched * v4l2_ctrl_g_ctrl(c->gain);
 	c->shots++;
 	if (meddle_at && c->shots == meddle_at)
 		v4l2_ctrl_s_ctrl(c->exposure, 3);
@@ -175,8 +185,12 @@ static void expose(struct camera *c, u8 *pixels, size_t count)
 
 static int plug(struct camera *c);
 
-static int plug_or_pull(struct camera *c, u32 what)
+static int do_without_image(struct camera *c, u32 what, u32 starts)
 {
+	if (what == CAMERA_STALL) {
+		c->stalls = starts;
+		return 0;
+	}
 	if (what == CAMERA_PLUG && !c->node)
 		return plug(c);
 	if (what != CAMERA_PULL || !c->node)
@@ -196,11 +210,11 @@ static ssize_t feed_write(struct file *f, const char __user *from, size_t size, 
 	if (size < sizeof(shot) || copy_from_user(&shot, from, sizeof(shot)))
 		return -EINVAL;
 	if (size == sizeof(shot))
-		return plug_or_pull(c, shot.what) ?: size;
+		return do_without_image(c, shot.what, shot.skip) ?: size;
 	if (size != sizeof(shot) + width * height)
 		return -EINVAL;
 	mutex_lock(&c->shooting);
-	b = take_free(c);
+	b = c->stalls ? NULL : take_free(c);
 	c->sequence += shot.skip;
 	if (b) {
 		void *pixels = vb2_plane_vaddr(&b->vb.vb2_buf, 0);
@@ -208,7 +222,7 @@ static ssize_t feed_write(struct file *f, const char __user *from, size_t size, 
 			   shot.what == SHOT_BAD;
 
 		if (exposure)
-			expose(c, pixels, width * height);
+			expose(c, shot.stamp_ns, pixels, width * height);
 		b->vb.vb2_buf.timestamp = shot.stamp_ns;
 		b->vb.sequence = c->sequence++;
 		b->vb.field = V4L2_FIELD_NONE;
@@ -264,6 +278,27 @@ static int set_format(struct file *f, void *p, struct v4l2_format *v)
 	return vb2_is_busy(&c->queue) ? -EBUSY : format(f, p, v);
 }
 
+static int format_mplane(struct file *f, void *p, struct v4l2_format *v)
+{
+	v->fmt.pix_mp = (struct v4l2_pix_format_mplane){
+		.width = width,
+		.height = height,
+		.pixelformat = V4L2_PIX_FMT_GREY,
+		.field = V4L2_FIELD_NONE,
+		.colorspace = V4L2_COLORSPACE_RAW,
+		.num_planes = 1,
+		.plane_fmt[0] = { .bytesperline = width, .sizeimage = width * height },
+	};
+	return 0;
+}
+
+static int set_format_mplane(struct file *f, void *p, struct v4l2_format *v)
+{
+	struct camera *c = video_drvdata(f);
+
+	return vb2_is_busy(&c->queue) ? -EBUSY : format_mplane(f, p, v);
+}
+
 static int enum_input(struct file *f, void *p, struct v4l2_input *i)
 {
 	if (i->index)
@@ -290,6 +325,9 @@ static const struct v4l2_ioctl_ops ioctls = {
 	.vidioc_g_fmt_vid_cap = format,
 	.vidioc_try_fmt_vid_cap = format,
 	.vidioc_s_fmt_vid_cap = set_format,
+	.vidioc_g_fmt_vid_cap_mplane = format_mplane,
+	.vidioc_try_fmt_vid_cap_mplane = format_mplane,
+	.vidioc_s_fmt_vid_cap_mplane = set_format_mplane,
 	.vidioc_enum_input = enum_input,
 	.vidioc_g_input = get_input,
 	.vidioc_s_input = set_input,
@@ -325,7 +363,8 @@ static int plug(struct camera *c)
 	node->queue = &c->queue;
 	node->lock = &c->lock;
 	node->release = video_device_release; // when the last program has closed it
-	node->device_caps = V4L2_CAP_VIDEO_CAPTURE | V4L2_CAP_STREAMING;
+	node->device_caps = V4L2_CAP_STREAMING |
+		(mplane ? V4L2_CAP_VIDEO_CAPTURE_MPLANE : V4L2_CAP_VIDEO_CAPTURE);
 	video_set_drvdata(node, c);
 	c->node = node;
 	return video_register_device(node, VFL_TYPE_VIDEO, -1);
@@ -351,7 +390,7 @@ static int add_camera(int i)
 	if (result)
 		return result;
 	c->queue = (struct vb2_queue){
-		.type = V4L2_BUF_TYPE_VIDEO_CAPTURE,
+		.type = mplane ? V4L2_BUF_TYPE_VIDEO_CAPTURE_MPLANE : V4L2_BUF_TYPE_VIDEO_CAPTURE,
 		.io_modes = VB2_MMAP,
 		.drv_priv = c,
 		.ops = &queue_ops,

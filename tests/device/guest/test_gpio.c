@@ -22,7 +22,8 @@ struct level {
 
 static const char *const names[LINES] = {
 	[3] = "SYNC_OUT", [4] = "HEALTH", [5] = "SYNC_IN", [6] = "LEFT_A",
-	[7] = "LEFT_B", [8] = "RIGHT_A", [9] = "RIGHT_B", [10] = "DATA_READY",
+	[7] = "LEFT_B", [8] = "RIGHT_A", [9] = "RIGHT_B",
+	[10] = "DATA_READY", [11] = "TRIGGER",
 };
 
 static u32 levels, outputs, triggers[LINES];
