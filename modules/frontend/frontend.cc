@@ -11,6 +11,7 @@ namespace pirvs {
 namespace {
 
 constexpr float kDetectMargin_px = 20.0f;  // what describe() reads around a point
+constexpr float kResidualAlways_grey = 4.0f;  // that a good track may have in the sharpest image
 constexpr float kFollowMargin_px = 10.0f;  // half a flow patch, its gradients and interpolation
 
 bool inside(const ImageView& image, float x, float y, float margin) {
@@ -90,17 +91,36 @@ Status Frontend::process(const ImageView& image, TimeNs t, const Vec3& gravity_C
 }
 
 void Frontend::follow() {
+  FixedVector<float, kTracksMax> residuals;  // of the tracks that are kept
   size_t kept = 0;
   for (size_t i = 0; i < tracks_.size(); ++i) {
     TrackLoss why = TrackLoss::kFlow;
-    if (follow_one(tracks_[i], why)) {
+    float residual = 0;
+    if (follow_one(tracks_[i], residual, why)) {
       tracks_[kept++] = tracks_[i];
+      (void)residuals.push_back(residual);
     } else {
       release(tracks_[i]);
       losses_.add(why);
     }
   }
   tracks_.resize(kept);
+  drop_misfits(residuals);
+}
+
+// What most tracks leave over is noise, light and blur; a patch that leaves over much more has
+// something else in it: the edge of a near object, which slides over what is behind.
+void Frontend::drop_misfits(FixedVector<float, kTracksMax>& residuals) {
+  if (residuals.empty()) return;
+  FixedVector<float, kTracksMax> sorted = residuals;
+  float* const middle = sorted.begin() + sorted.size() / 2;
+  std::nth_element(sorted.begin(), middle, sorted.end());
+  const float limit = std::max(kResidualAlways_grey, params_.lk_residual_ratio_max * *middle);
+  for (size_t i = tracks_.size(); i-- > 0;) {
+    if (residuals[i] <= limit) continue;
+    erase(i);  // the last one takes its place, and has been judged
+    losses_.add(TrackLoss::kResidual);
+  }
 }
 
 void Frontend::release(const Track& track) {
@@ -113,11 +133,11 @@ void Frontend::erase(size_t i) {
   tracks_.erase_unordered(i);
 }
 
-bool Frontend::follow_one(Track& track, TrackLoss& why) {
+bool Frontend::follow_one(Track& track, float& residual, TrackLoss& why) {
   const PyramidStore& from = pyramid_[current_ ^ 1];
   const PyramidStore& to = pyramid_[current_];
   const int iterations = static_cast<int>(params_.lk_iterations_max);
-  float x = track.x_pred, y = track.y_pred, residual = 0;
+  float x = track.x_pred, y = track.y_pred;
   why = TrackLoss::kLeftImage;
   if (!inside(to.level(0), x, y, 0)) return false;
   LkPatch patch;
@@ -143,9 +163,9 @@ bool Frontend::follow_one(Track& track, TrackLoss& why) {
   if (residual > params_.lk_residual_grey_max) return false;
 
   why = TrackLoss::kReturn;
-  float back_x = track.x, back_y = track.y;
+  float back_x = track.x, back_y = track.y, back_residual = 0;
   if (!lk_extract(to.level(0), x, y, patch) || !patch.usable) return false;
-  if (!lk_align(from.level(0), patch, back_x, back_y, 3, params_.lk_step_px_min, residual)) {
+  if (!lk_align(from.level(0), patch, back_x, back_y, 3, params_.lk_step_px_min, back_residual)) {
     return false;
   }
   if (squared_distance(track, back_x, back_y) >

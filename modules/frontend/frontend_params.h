@@ -18,6 +18,7 @@ struct FrontendParams {
   float lk_iterations_max = 8.0f;
   float lk_step_px_min = 0.03f;
   float lk_residual_grey_max = 18.0f;
+  float lk_residual_ratio_max = 2.0f;
   float lk_return_px_max = 0.8f;
   float bin_wait_frames = 3.0f;
 };
@@ -40,6 +41,8 @@ inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
      "a step of optical flow below this has converged"},
     {"lk_residual_grey_max", &FrontendParams::lk_residual_grey_max, 1, 128, "grey",
      Audience::kExpert, "largest mean absolute difference between a track's patch and the image"},
+    {"lk_residual_ratio_max", &FrontendParams::lk_residual_ratio_max, 1, 100, "1",
+     Audience::kExpert, "that difference as a multiple of its median over the image's tracks"},
     {"lk_return_px_max", &FrontendParams::lk_return_px_max, 0.05f, 10, "px", Audience::kExpert,
      "forward-backward check: largest distance to where flow back to the previous image should "
      "end"},

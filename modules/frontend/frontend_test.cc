@@ -82,6 +82,43 @@ TEST(frontend, fills_every_bin_with_a_described_track) {
   EXPECT_GE(bins.size(), 20u) << "of 25; the spacing may leave some empty";
 }
 
+// The right half is nearer: it moves one pixel more and covers what was behind its edge.
+TEST(frontend, patches_across_the_edge_of_a_near_object_are_dropped) {
+  const auto worst = [](float ratio) {
+    Slide s(3, 400, 300);
+    s.params.lk_residual_ratio_max = ratio;
+    s.params.lk_residual_grey_max = 128;
+    s.params.lk_return_px_max = 3;
+    s.frontend->configure(s.camera, s.params);
+    const auto image = [&s](double shift) {
+      std::vector<uint8_t> far = s.image(Vec2(shift, 0)), near = s.image(Vec2(100 + 1.5 * shift, 0));
+      for (int y = 0; y < 300; ++y) {
+        const int edge = 200 + static_cast<int>(1.5 * shift);
+        std::copy(near.begin() + y * 400 + edge, near.begin() + (y + 1) * 400,
+                  far.begin() + y * 400 + edge);
+      }
+      return far;
+    };
+    EXPECT_EQ(s.show(image(0)), Status::kOk);
+    std::map<TrackId, Vec2> before;
+    for (const Track& track : s.tracks()) before[track.id] = Vec2(track.x, track.y);
+    EXPECT_EQ(s.show(image(-2)), Status::kOk);
+    int followed = 0;
+    double error = 0;
+    for (const Track& track : s.tracks()) {
+      if (track.age == 0) continue;
+      ++followed;
+      const Vec2 from = before[track.id];
+      const double moved = from.x() < 200 ? -2 : -3;
+      error = std::max(error, std::hypot(track.x - from.x() - moved, track.y - from.y()));
+    }
+    EXPECT_GT(followed, 30);
+    return error;
+  };
+  EXPECT_GT(worst(100), 0.3) << "without the rule";
+  EXPECT_LT(worst(2), 0.1);
+}
+
 TEST(frontend, any_legal_cell_size_suits_any_image) {
   for (int side = 16; side <= 64; ++side) {
     for (const int width : {16, 40, 41, 55, 100, 512, 752, 848, 1024, 1280}) {
