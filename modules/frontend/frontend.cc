@@ -10,9 +10,9 @@
 namespace pirvs {
 namespace {
 
-constexpr float kDetectMargin_px = 20.0f;  // what describe() reads around a point
+constexpr float kDetectMargin_px = 20.0f;     // what describe() reads around a point
 constexpr float kResidualAlways_grey = 4.0f;  // that a good track may have in the sharpest image
-constexpr float kFollowMargin_px = 10.0f;  // half a flow patch, its gradients and interpolation
+constexpr float kFollowMargin_px = 10.0f;     // half a flow patch, its gradients and interpolation
 
 bool inside(const ImageView& image, float x, float y, float margin) {
   return x >= margin && y >= margin && x <= static_cast<float>(image.width - 1) - margin &&

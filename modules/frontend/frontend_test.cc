@@ -91,7 +91,8 @@ TEST(frontend, patches_across_the_edge_of_a_near_object_are_dropped) {
     s.params.lk_return_px_max = 3;
     s.frontend->configure(s.camera, s.params);
     const auto image = [&s](double shift) {
-      std::vector<uint8_t> far = s.image(Vec2(shift, 0)), near = s.image(Vec2(100 + 1.5 * shift, 0));
+      std::vector<uint8_t> far = s.image(Vec2(shift, 0)),
+                           near = s.image(Vec2(100 + 1.5 * shift, 0));
       for (int y = 0; y < 300; ++y) {
         const int edge = 200 + static_cast<int>(1.5 * shift);
         std::copy(near.begin() + y * 400 + edge, near.begin() + (y + 1) * 400,
