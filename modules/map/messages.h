@@ -33,6 +33,7 @@ struct MapSnapshot {
   uint16_t epoch = 0;         // of that keyframe
   bool adjusted = false;      // the adjustment succeeded: state and cov hold
   BodyState state;            // of that keyframe, refined
+  SE3 leveled;                // of the map, by all tilts that mapping has corrected so far
   Mat15 cov = Mat15::Zero();  // of that state against the map: theta, p, v, b_g, b_a
   Mat6 error = Mat6::Zero();  // of the map there: map_error.h, about the place of that state
   FixedVector<MapPoint, kLandmarksMax> points;
@@ -42,6 +43,7 @@ struct MapSnapshot {
 struct KeyframeMessage {
   uint32_t sequence = 0;
   BodyState state;
+  SE3 leveled;  // the map that tracking knew (MapSnapshot): its frame is that of `state`
   Observations observations[kCamerasMax];
   Preintegration from_previous;
   bool linked = false;

@@ -1,10 +1,20 @@
 #include "modules/mapping/adjustment.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+
+#include <Eigen/LU>
 
 #include "core/base/assert.h"
 
 namespace pirvs {
+namespace {
+
+constexpr double kTiltBest_rad = 1e-4;  // nobody knows a tilt better
+
+}  // namespace
 
 void Adjustment::configure(const Camera* cameras, const ImuNoise& noise,
                            const MappingParams& params, MappingCounters* counters) {
@@ -34,6 +44,11 @@ void Adjustment::build(WorkingMap& map) {
       bundle_.link(frame - 1, frame, member.from_previous);
     }
   }
+  if (window_first_ > 0) {
+    Mat2 known = held_error_.topLeftCorner<2, 2>();
+    known.diagonal().array() += kTiltBest_rad * kTiltBest_rad;
+    bundle_.free_tilt(known.inverse());
+  }
   add_points(map, window_begin);
 }
 
@@ -47,8 +62,10 @@ void Adjustment::slide_prior(WorkingMap& map, size_t window_begin) {
   for (size_t i = begin + 1; i <= window_begin; ++i) {
     const Keyframe &a = map.keyframe(i - 1), &b = map.keyframe(i);
     if (a.sequence < prior_.sequence) continue;
+    const Mat6 vision =
+        vision_of_ == a.sequence ? params_.prior_vision_weight * vision_ : guessed_vision();
     prior_ = advance(prior_, a.state, b.sequence, b.state, b.linked ? &b.from_previous : nullptr,
-                     noise_, params_);
+                     vision, noise_, params_);
   }
 }
 
@@ -179,24 +196,74 @@ bool Adjustment::finish(WorkingMap& map) {
   } else if (bundle_.points() > 0) {  // one camera's first keyframe has none: nothing to adjust
     ++counters_->adjustments_failed;
   }
+  if (getenv("DBG")) {
+    const Keyframe& n = map.newest();
+    const Keyframe& o = map.keyframe(members_[static_cast<size_t>(window_first_)].place);
+    const Vec3 up = n.state.T_WB.R.transpose() * Vec3::UnitZ();
+    const Vec3 upo = o.state.T_WB.R.transpose() * Vec3::UnitZ();
+    const Mat15 P = prior_.information.inverse();
+    fprintf(stderr,
+            "K %u t %.3f win %zu fixed %d up %.5f %.5f %.5f ba %.3f %.3f %.3f oldest t %.3f up "
+            "%.5f %.5f %.5f ba %.3f %.3f %.3f sba %.3f %.3f %.3f prior_sba %.3f %.3f %.3f stilt "
+            "%.4f vis_s %.5f %.5f\n",
+            n.sequence, double(n.state.t) * 1e-9, members_.size() - size_t(window_first_),
+            window_first_, up.x(), up.y(), up.z(), n.state.b_a.x(), n.state.b_a.y(),
+            n.state.b_a.z(), double(o.state.t) * 1e-9, upo.x(), upo.y(), upo.z(), o.state.b_a.x(),
+            o.state.b_a.y(), o.state.b_a.z(), sqrt(newest_cov_(12, 12)), sqrt(newest_cov_(13, 13)),
+            sqrt(newest_cov_(14, 14)), sqrt(P(12, 12)), sqrt(P(13, 13)), sqrt(P(14, 14)),
+            sqrt(P.topLeftCorner<3, 3>().trace() / 3),
+            1 / sqrt(vision_.topLeftCorner<3, 3>().trace() / 3),
+            1 / sqrt(vision_.bottomRightCorner<3, 3>().trace() / 3));
+  }
+  if (getenv("DBGO")) {
+    Keyframe& n = map.newest();
+    map.for_each_sighting(n, [&](int c, Observation& o, const Landmark& l) {
+      fprintf(stderr, "O %lld %u %u %d %.3f %.3f %llu %.4f %.4f %.4f\n", (long long)n.state.t,
+              o.landmark.slot, o.landmark.generation, c, o.x, o.y, (unsigned long long)o.track,
+              l.p_W.x(), l.p_W.y(), l.p_W.z());
+    });
+  }
   remove_outliers(map);  // above all after a failure: the next adjustment would meet them again
   return adjusted;
 }
 
+// The whole map stands as upright as the window has found out: it turns about its oldest place, so
+// that what was close to a start stays where it was told to be. Returns how far the place has moved
+// about which the adjustment had tilted its frames.
+Vec3 Adjustment::level(WorkingMap& map) {
+  if (!bundle_.tilt_free()) return Vec3::Zero();
+  const Vec3 pivot = bundle_.tilted_at(), oldest = map.keyframe(0).state.T_WB.p;
+  SE3 T;
+  T.R = bundle_.tilted();
+  T.p = oldest - T.R * oldest;
+  map.level(T);
+  const Vec3 shift = T * pivot - pivot;
+  prior_.mean.T_WB.p += shift;  // its attitude is what gravity said: it stays
+  held_error_.topRows<2>().setZero();
+  held_error_.leftCols<2>().setZero();
+  held_error_.topLeftCorner<2, 2>() = bundle_.tilt_cov();
+  return shift;
+}
+
 void Adjustment::write_back(WorkingMap& map) {
+  const Vec3 shift = level(map);
   for (size_t m = static_cast<size_t>(window_first_); m < members_.size(); ++m) {
-    map.keyframe(members_[m].place).state = bundle_.state(members_[m].frame);
+    Keyframe& member = map.keyframe(members_[m].place);
+    member.state = bundle_.state(members_[m].frame);
+    member.state.T_WB.p += shift;
   }
   for (size_t p = 0; p < points_.size(); ++p) {
     Landmark* landmark = map.points().find(points_[p]);
-    landmark->p_W = bundle_.point(static_cast<int>(p));
+    landmark->p_W = bundle_.point(static_cast<int>(p)) + shift;
     landmark->cov = bundle_.point_cov(static_cast<int>(p));
   }
+  vision_ = bundle_.oldest_vision();
+  vision_of_ = map.keyframe(members_[static_cast<size_t>(window_first_)].place).sequence;
 }
 
 // The fixed keyframes have pose errors of their own. Their covariance is propagated to the oldest
-// free keyframe and to the newest one: shift and heading in full, tilt only as far as the IMU links
-// allow. The points near the newest keyframe are taken to have its error.
+// free keyframe and to the newest one: shift and heading in full, of the tilt what levelling has
+// left. The points near the newest keyframe are taken to have its error.
 void Adjustment::spread_error(WorkingMap& map) {
   Keyframe& oldest = map.keyframe(members_[static_cast<size_t>(window_first_)].place);
   const Keyframe& newest = map.newest();

@@ -38,6 +38,7 @@ class Adjustment {
   void choose_fixed(WorkingMap& map, size_t window_begin);
   void hold_error(WorkingMap& map, size_t window_begin);
   void add_points(WorkingMap& map, size_t window_begin);
+  Vec3 level(WorkingMap& map);
   void write_back(WorkingMap& map);
   void spread_error(WorkingMap& map);
   void remove_outliers(WorkingMap& map);
@@ -49,6 +50,8 @@ class Adjustment {
 
   WindowPrior prior_;
   Mat6 held_error_ = Mat6::Zero();  // of what holds the adjustment, about its oldest free frame
+  Mat6 vision_ = Mat6::Zero();  // vision's information about the pose of the oldest free keyframe
+  uint32_t vision_of_ = 0;      // that keyframe
   Mat15 newest_cov_ = Mat15::Identity();
 
   Bundle bundle_;

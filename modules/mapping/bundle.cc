@@ -20,6 +20,12 @@ constexpr size_t kPointsPerStep = 128;  // ~0.3 ms of an A72
 // that of a point behind the camera.
 constexpr double kHopeless_sigma2 = 50.0 * 50.0;
 
+double dot(const double* a, const double* b, size_t n) {
+  double sum = 0;
+  for (size_t i = 0; i < n; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
 }  // namespace
 
 void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingParams& params) {
@@ -32,6 +38,9 @@ void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingPa
   links_.clear();
   prior_frame_ = -1;
   unknowns_ = 0;
+  tilt_free_ = false;
+  tilted_ = tilted_trial_ = Mat3::Identity();
+  tilt_known_.setZero();
   iteration_ = accepted_ = 0;
   errors_known_ = false;
   lambda_ = 1e-4;
@@ -45,6 +54,7 @@ int Bundle::add_frame(const BodyState& state, bool fixed) {
   if (frame == nullptr) return -1;
   frame->state = frame->trial = state;
   frame->unknown = fixed ? -1 : unknowns_;
+  if (!fixed && unknowns_ == 0) pivot_ = state.T_WB.p;
   if (!fixed) unknowns_ += 15;
   for (int c = 0; c < kCamerasMax; ++c) frame->T_CB[c] = camera_[c].T_BC.inverse();
   place_cameras(*frame, state);
@@ -64,6 +74,11 @@ void Bundle::link(int from, int to, const Preintegration& motion) {
 void Bundle::set_prior(int frame, const WindowPrior& prior) {
   prior_frame_ = frame;
   prior_ = prior;
+}
+
+void Bundle::free_tilt(const Mat2& information) {
+  tilt_free_ = true;
+  tilt_known_ = information;
 }
 
 double Bundle::prior_cost(const BodyState& state) const {
@@ -109,7 +124,9 @@ bool Bundle::step() {
         eliminate_point(points_[next_point_]);
       }
       if (next_point_ < points_.size()) return false;
+      keep_oldest_vision();
       linearize_links();
+      linearize_tilt();
       cost_ = cost_trial_;
       if (iteration_ == 0) cost_before_ = cost_;
       phase_ = Phase::kSolve;
@@ -216,6 +233,13 @@ void Bundle::eliminate_point(const Point& point) {
   }
 }
 
+// So far the system holds vision alone, all points eliminated.
+void Bundle::keep_oldest_vision() {
+  for (int i = 0; i < 6; ++i) {
+    for (int j = 0; j < 6; ++j) oldest_vision_(i, j) = row(std::min(i, j))[std::max(i, j)];
+  }
+}
+
 void Bundle::linearize_links() {
   const auto add = [this](int at_row, int at_column, const Mat15& block) {
     for (int i = 0; i < 15; ++i) {
@@ -251,6 +275,64 @@ void Bundle::linearize_links() {
   }
 }
 
+// Reprojection errors do not change when all frames and points tilt as one: what the IMU links and
+// the prior say of that is all there is.
+void Bundle::linearize_tilt() {
+  std::fill(C_[0], C_[0] + unknowns_, 0.0);
+  std::fill(C_[1], C_[1] + unknowns_, 0.0);
+  D_ = tilt_known_;
+  const Vec2 so_far = so3_log(tilted_).head<2>();
+  g_tilt_ = -tilt_known_ * so_far;
+  cost_trial_ += so_far.dot(tilt_known_ * so_far);
+  using Mat15x2 = Eigen::Matrix<double, 15, 2>;
+  const auto add = [this](int at, const Mat15x2& block) {
+    for (int axis = 0; axis < 2; ++axis) Eigen::Map<Vec15>(C_[axis] + at) += block.col(axis);
+  };
+  for (const ImuLink& link : links_) {
+    const Frame& a = frames_[static_cast<size_t>(link.from)];
+    const Frame& b = frames_[static_cast<size_t>(link.to)];
+    Mat15 J_a, J_b;
+    link_jacobians(link, a.state, b.state, J_a, J_b);
+    const Mat15x2 J = J_a * rigid_motion(a.state, pivot_).leftCols<2>() +
+                      J_b * rigid_motion(b.state, pivot_).leftCols<2>();
+    Mat15x2 WJ;
+    for (int axis = 0; axis < 2; ++axis) WJ.col(axis) = weigh(link, Vec15(J.col(axis)));
+    if (a.unknown >= 0) add(a.unknown, J_a.transpose() * WJ);
+    add(b.unknown, J_b.transpose() * WJ);
+    D_ += J.transpose() * WJ;
+    g_tilt_ -= WJ.transpose() * link_residual(link, a.state, b.state);
+  }
+  if (prior_frame_ < 0) return;
+  const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
+  const Mat15x2 M = rigid_motion(frame.state, pivot_).leftCols<2>();
+  const Mat15x2 WM = prior_.information * M;
+  add(frame.unknown, WM);
+  D_ += M.transpose() * WM;
+  g_tilt_ +=
+      M.transpose() * (prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean));
+}
+
+// The tilt that goes with the step in delta_, which it corrects. The factors are those of S.
+Vec2 Bundle::solve_tilt(double lambda) {
+  const size_t n = static_cast<size_t>(unknowns_);
+  Mat2 K = D_;
+  K.diagonal() *= 1 + lambda;
+  Vec2 g = g_tilt_;
+  for (int i = 0; i < 2; ++i) {
+    std::copy(C_[i], C_[i] + n, X_[i]);
+    solve_factored(factors_, kUnknownsMax, X_[i], n);
+  }
+  for (int i = 0; i < 2; ++i) {
+    for (int j = 0; j < 2; ++j) K(i, j) -= dot(C_[i], X_[j], n);
+    g[i] -= dot(C_[i], delta_, n);
+  }
+  tilt_cov_ = K.inverse();
+  const Vec2 tilt = tilt_cov_ * g;
+  if (!tilt.allFinite()) return Vec2::Zero();
+  for (size_t i = 0; i < n; ++i) delta_[i] -= X_[0][i] * tilt[0] + X_[1][i] * tilt[1];
+  return tilt;
+}
+
 void Bundle::copy_system(double lambda) {
   const size_t n = static_cast<size_t>(unknowns_);
   for (size_t i = 0; i < n; ++i) {
@@ -270,16 +352,27 @@ void Bundle::solve() {
     if (iteration_ >= static_cast<int>(params_.iterations_max)) phase_ = Phase::kDone;
     return;
   }
-  apply(delta_);
+  const Vec2 tilt = tilt_free_ ? solve_tilt(lambda_) : Vec2(Vec2::Zero());
+  apply(delta_, tilt);
   cost_trial_ = evaluate_links();
+  const Vec2 so_far = so3_log(tilted_trial_).head<2>();
+  cost_trial_ += so_far.dot(tilt_known_ * so_far);
   next_point_ = 0;
   phase_ = Phase::kEvaluate;
 }
 
-void Bundle::apply(const double* delta) {
+void Bundle::apply(const double* delta, const Vec2& tilt) {
+  SE3 T;  // of all that is
+  T.R = so3_exp(Vec3(tilt.x(), tilt.y(), 0));
+  T.p = pivot_ - T.R * pivot_;
+  tilted_trial_ = T.R * tilted_;
   for (Frame& frame : frames_) {
-    if (frame.unknown < 0) continue;
-    frame.trial = boxplus(frame.state, Eigen::Map<const Vec15>(delta + frame.unknown));
+    if (frame.unknown < 0 && !tilt_free_) continue;
+    frame.trial = frame.state;
+    if (tilt_free_) move(T, frame.trial);
+    if (frame.unknown >= 0) {
+      frame.trial = boxplus(frame.trial, Eigen::Map<const Vec15>(delta + frame.unknown));
+    }
     place_cameras(frame, frame.trial);
   }
   for (Point& point : points_) {
@@ -289,6 +382,7 @@ void Bundle::apply(const double* delta) {
       rhs -= share.W.transpose() * Eigen::Map<const Vec6>(delta + share.unknown);
     }
     point.trial = point.p_W + point.H_inverse * rhs;
+    if (tilt_free_) point.trial = T * point.trial;
   }
 }
 
@@ -312,9 +406,11 @@ double Bundle::cost_at(const Vec3& p_W, const Point& point) const {
 // A point takes an undamped Gauss-Newton step, which may carry it behind a camera. Where the old
 // position fits the trial poses better, the point keeps it and vetoes nobody else's step.
 double Bundle::evaluate_point(Point& point) const {
-  const double cost_moved = cost_at(point.trial, point), cost_kept = cost_at(point.p_W, point);
+  Vec3 kept = point.p_W;
+  if (tilt_free_) kept = tilted_trial_ * (tilted_.transpose() * (kept - pivot_)) + pivot_;
+  const double cost_moved = cost_at(point.trial, point), cost_kept = cost_at(kept, point);
   if (cost_moved <= cost_kept) return cost_moved;
-  point.trial = point.p_W;
+  point.trial = kept;
   return cost_kept;
 }
 
@@ -336,6 +432,7 @@ void Bundle::judge() {
     const bool converged = cost_ - cost_trial_ < 1e-3 * cost_;
     cost_ = cost_trial_;
     for (Frame& frame : frames_) frame.state = frame.trial;
+    tilted_ = tilted_trial_;
     for (Point& point : points_) point.p_W = point.trial;
     lambda_ = std::max(1e-7, lambda_ * 0.1);
     next_point_ = 0;
@@ -350,29 +447,10 @@ void Bundle::judge() {
   phase_ = last ? Phase::kDone : Phase::kSolve;
 }
 
-// What the IMU links and the prior say against a tilt of all free frames about an axis of W.
-void Bundle::resist_tilt(int axis, const Vec3& at, double* out) const {
-  std::fill(out, out + unknowns_, 0.0);
-  for (const ImuLink& link : links_) {
-    const Frame& a = frames_[static_cast<size_t>(link.from)];
-    const Frame& b = frames_[static_cast<size_t>(link.to)];
-    Mat15 J_a, J_b;
-    link_jacobians(link, a.state, b.state, J_a, J_b);
-    const Vec15 moved =
-        J_a * rigid_motion(a.state, at).col(axis) + J_b * rigid_motion(b.state, at).col(axis);
-    const Vec15 W = weigh(link, moved);
-    if (a.unknown >= 0) Eigen::Map<Vec15>(out + a.unknown) += J_a.transpose() * W;
-    Eigen::Map<Vec15>(out + b.unknown) += J_b.transpose() * W;
-  }
-  if (prior_frame_ < 0) return;
-  const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
-  Eigen::Map<Vec15>(out + frame.unknown) +=
-      prior_.information * rigid_motion(frame.state, at).col(axis);
-}
-
 // Covariances, from the undamped system of the last linearization. Reprojection errors do not
 // change when the fixed frames and all others move as one rigid body, so the free frames follow an
-// error of the fixed ones completely, but in tilt: there the IMU links and the prior resist.
+// error of the fixed ones completely, but in tilt: there the IMU links and the prior resist. The
+// newest frame's covariance is against the map, as it stands after levelling.
 void Bundle::finish() {
   const size_t n = static_cast<size_t>(unknowns_);
   copy_system(0);
@@ -382,14 +460,17 @@ void Bundle::finish() {
   newest_cov_ = information.llt().solve(Mat15::Identity());
   const auto oldest = std::find_if(frames_.begin(), frames_.end(),
                                    [](const Frame& frame) { return frame.unknown == 0; });
-  const Vec3 at = oldest->state.T_WB.p;
-  newest_follows_ = rigid_motion(frames_.back().state, at);
-  oldest_follows_ = rigid_motion(oldest->state, at).topRows<6>();
+  newest_follows_ = rigid_motion(frames_.back().state, pivot_);
+  oldest_follows_ = rigid_motion(oldest->state, pivot_).topRows<6>();
+  (void)solve_tilt(0);
   for (int axis = 0; axis < 2; ++axis) {
-    resist_tilt(axis, at, delta_);
-    solve_factored(factors_, kUnknownsMax, delta_, n);
-    newest_follows_.col(axis) -= Eigen::Map<const Vec15>(delta_ + n - 15);
-    oldest_follows_.col(axis) -= Eigen::Map<const Vec6>(delta_);
+    newest_follows_.col(axis) -= Eigen::Map<const Vec15>(X_[axis] + n - 15);
+    oldest_follows_.col(axis) -= Eigen::Map<const Vec6>(X_[axis]);
+  }
+  if (tilt_free_) {
+    Eigen::Matrix<double, 15, 2> X;
+    for (int axis = 0; axis < 2; ++axis) X.col(axis) = Eigen::Map<const Vec15>(X_[axis] + n - 15);
+    newest_cov_ += X * tilt_cov_ * X.transpose();
   }
   for (int i = 0; i < 6; ++i) {
     std::fill(delta_, delta_ + n, 0.0);

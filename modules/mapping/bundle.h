@@ -1,15 +1,17 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
-// In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations.
+// In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations;
+//         whether all may tilt as one.
 // Out     refined states and points, each point's covariance conditional on all poses, each
 //         observation's residual; given the fixed frames, the covariance of the newest frame (added
-//         last) and of the oldest free one's pose; and how both follow a rigid error of all fixed
-//         frames.
+//         last) and of the oldest free one's pose; how both follow a rigid error of all fixed
+//         frames; the tilt that was found, with its covariance.
 // Frames  W, B, C; error order of a frame: theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  add_*: false when full, nothing is added. solved(): false when no step lowered the cost.
 //         errors_known(): false when the system of equations is not positive definite.
 // Cost    one iteration of 10 free frames, 400 points, 3000 observations: ~2 ms, x86-64.
 // Source  Triggs et al., Bundle adjustment, 2000, section 6 (Schur complement); Forster et al.,
-//         T-RO 2017 (IMU residuals); PIRVS paper, section IV.C and its future work.
+//         T-RO 2017 (IMU residuals); PIRVS paper, section IV.C and its future work;
+//         docs/conventions.md, "Levelling".
 #pragma once
 
 #include "core/camera/camera.h"
@@ -35,6 +37,10 @@ class Bundle {
   int add_frame(const BodyState& state, bool fixed);  // index, or -1; free ones in order of time
   void link(int from, int to, const Preintegration& motion);
   void set_prior(int frame, const WindowPrior& prior);
+  // Lets all frames, the fixed ones too, and all points tilt as one, about x and y of W through the
+  // place of the oldest free frame, as the IMU links and the prior ask for. `information`: what is
+  // known of the fixed frames' tilt.
+  void free_tilt(const Mat2& information);
   int add_point(const Vec3& p_W);                                          // index, or -1
   bool add_observation(int point, int frame, int camera, const Vec2& uv);  // to the newest point
 
@@ -46,6 +52,13 @@ class Bundle {
   const Vec3& point(int i) const { return points_[i].p_W; }
   Mat3 point_cov(int i) const { return points_[i].H_inverse; }
   const Mat15& newest_cov() const { return newest_cov_; }
+  // The turn by which all was tilted about tilted_at(), and the covariance of what remains.
+  const Mat3& tilted() const { return tilted_; }
+  const Vec3& tilted_at() const { return pivot_; }
+  const Mat2& tilt_cov() const { return tilt_cov_; }
+  bool tilt_free() const { return tilt_free_; }
+  // Information of vision about the pose of the oldest free frame against all other frames.
+  const Mat6& oldest_vision() const { return oldest_vision_; }
   const Mat6& oldest_pose_cov() const { return oldest_pose_cov_; }
   // The covariances above and what follows below hold only if this does.
   bool errors_known() const { return errors_known_; }
@@ -89,10 +102,11 @@ class Bundle {
   void start_iteration();
   void linearize_point(Point& point);
   void eliminate_point(const Point& point);
+  void keep_oldest_vision();
   void linearize_links();
   void copy_system(double lambda);
   void solve();
-  void apply(const double* delta);
+  void apply(const double* delta, const Vec2& tilt);
   double cost_at(const Vec3& p_W, const Point& point) const;
   double evaluate_point(Point& point) const;
   double evaluate_links() const;
@@ -100,7 +114,8 @@ class Bundle {
   double robust_cost(double squares) const;
   void judge();
   void finish();
-  void resist_tilt(int axis, const Vec3& at, double* out) const;
+  void linearize_tilt();
+  Vec2 solve_tilt(double lambda);
   double* row(int i) { return S_ + static_cast<size_t>(i) * kUnknownsMax; }
 
   Camera camera_[kCamerasMax];
@@ -114,12 +129,21 @@ class Bundle {
   WindowPrior prior_;
   int prior_frame_ = -1;
   int unknowns_ = 0;
+  bool tilt_free_ = false;
+  Vec3 pivot_ = Vec3::Zero();
+  Mat3 tilted_ = Mat3::Identity(), tilted_trial_ = Mat3::Identity();
+  Mat2 tilt_known_ = Mat2::Zero(), tilt_cov_ = Mat2::Zero();
+  // The borders of the system that belong to a tilt of all: C, D and the right side.
+  Mat2 D_ = Mat2::Zero();
+  Vec2 g_tilt_ = Vec2::Zero();
+  double C_[2][kUnknownsMax], X_[2][kUnknownsMax];  // X = S^-1 C
 
   Phase phase_ = Phase::kLinearize;
   size_t next_point_ = 0;
   int iteration_ = 0, accepted_ = 0;
   bool errors_known_ = false;
   double lambda_ = 1e-4, cost_ = 0, cost_before_ = 0, cost_trial_ = 0;
+  Mat6 oldest_vision_ = Mat6::Zero();
   Mat15 newest_cov_ = Mat15::Identity();
   Mat6 oldest_pose_cov_ = Mat6::Identity(), oldest_follows_ = Mat6::Identity();
   Mat15x6 newest_follows_ = Mat15x6::Zero();

@@ -390,6 +390,67 @@ TEST(bundle, fixed_frames_do_not_move) {
   EXPECT_GT(boxminus(bundle->state(3), problem.states[3]).norm(), 1e-3);
 }
 
+// Everything stands tilted, fixed frames too; only the prior and the IMU know where down is.
+TEST(bundle, a_free_tilt_levels_all_as_one) {
+  for (uint32_t seed = 1; seed <= 5; ++seed) {
+    Problem problem(seed, 3, 5, 80);
+    problem.params.iterations_max = 30;
+    problem.params.huber_sigma = 1e3;
+    const Mat3 R = problem.truth[3].T_WB.R;
+    problem.prior.information.topLeftCorner<3, 3>() =
+        R.transpose() * Vec3(1e8, 1e8, 0).asDiagonal() * R;
+    problem.prior.mean = problem.truth[3];
+    const Vec3 tilt(0.02, -0.01, 0);
+    const Vec3 at = problem.truth[3].T_WB.p;
+    SE3 T;
+    T.R = so3_exp(tilt);
+    T.p = at - T.R * at;
+    for (BodyState& state : problem.states) move(T, state);
+    for (Vec3& p : problem.points) p = T * p;
+    auto bundle = std::make_unique<Bundle>();
+    problem.load(*bundle);
+    bundle->free_tilt(Mat2::Identity() * 1e-3);
+    while (!bundle->step()) {
+    }
+    ASSERT_TRUE(bundle->solved());
+    EXPECT_LT((so3_log(bundle->tilted()) + tilt).norm(), 1e-3) << seed;
+    EXPECT_EQ(bundle->tilted_at(), problem.states[3].T_WB.p);
+    for (int i = 0; i < 8; ++i) {
+      const BodyState& state = bundle->state(i);
+      const BodyState& truth = problem.truth[static_cast<size_t>(i)];
+      EXPECT_LT(so3_log(truth.T_WB.R.transpose() * state.T_WB.R).norm(), 1.5e-3) << seed << i;
+      EXPECT_LT((state.T_WB.p - truth.T_WB.p).norm(), 5e-3) << seed << i;
+    }
+    double point_error = 0;
+    for (int i = 0; i < bundle->points(); ++i) {
+      point_error += (bundle->point(i) - problem.points_truth[static_cast<size_t>(i)]).norm() / 80;
+    }
+    EXPECT_LT(point_error, 0.01) << seed;
+    EXPECT_LT(std::sqrt(bundle->tilt_cov().trace()), 1e-3);
+  }
+}
+
+// What is known of the fixed frames' tilt weighs as much as what the prior says.
+TEST(bundle, a_known_tilt_is_weighed_against_the_prior) {
+  Problem problem(2, 3, 5, 80);
+  problem.params.iterations_max = 30;
+  problem.noise.accel_noise = 100;  // the IMU says nothing
+  const Mat3 R = problem.truth[3].T_WB.R;
+  problem.prior.information.topLeftCorner<9, 9>().setZero();
+  problem.prior.information.topLeftCorner<3, 3>() =
+      R.transpose() * Vec3(1e6, 1e6, 0).asDiagonal() * R;
+  problem.prior.mean = problem.truth[3];
+  problem.prior.mean.T_WB.R = so3_exp(Vec3(0.004, 0, 0)) * R;
+  auto bundle = std::make_unique<Bundle>();
+  problem.load(*bundle);
+  bundle->free_tilt(Mat2::Identity() * 3e6);
+  while (!bundle->step()) {
+  }
+  ASSERT_TRUE(bundle->solved());
+  EXPECT_NEAR(so3_log(bundle->tilted()).x(), 0.001, 1e-4);
+  EXPECT_NEAR(bundle->tilt_cov()(0, 0), 1 / 4e6, 0.1 / 4e6);
+}
+
 Problem held_exactly(uint32_t seed) {
   Problem problem(seed, 3, 5, 80);
   problem.params.fixed_weight = 1;  // the fixed frames are exact

@@ -73,8 +73,8 @@ void Mapper::insert(const KeyframeMessage& message) {
   }
   if (message.join) {
     // The place was recognised: all that the run made moves to where it belongs.
-    map_.join(message);
-    if (adjustment_.prior().sequence != 0) move(message.T_join, adjustment_.prior());
+    const SE3 T = map_.join(message);
+    if (adjustment_.prior().sequence != 0) move(T, adjustment_.prior());
     ++counters_.joins;
   }
   make_room();
@@ -152,6 +152,7 @@ void Mapper::publish(bool adjusted) {
   snapshot.epoch = newest.epoch;
   snapshot.adjusted = adjusted;
   snapshot.state = newest.state;
+  snapshot.leveled = map_.leveled();
   snapshot.cov = adjustment_.newest_cov();
   snapshot.error = map_.errors().newest;
   snapshot.points.clear();

@@ -22,8 +22,7 @@ struct MappingParams {
   float point_sigma_rel_max = 0.25f;
   float start_sigma_accel_bias = 0.2f;
   float start_sigma_gyro_bias = 0.02f;
-  float prior_sigma_rad = 0.002f;
-  float prior_sigma_m = 0.005f;
+  float prior_vision_weight = 0.5f;
   float anchor_sigma_rad = 0.01f;
   float anchor_sigma_m = 0.05f;
 };
@@ -58,12 +57,9 @@ inline constexpr ParamRow<MappingParams> kMappingRows[] = {
      Audience::kExpert, "prior standard deviation of the accelerometer bias at a start"},
     {"start_sigma_gyro_bias", &MappingParams::start_sigma_gyro_bias, 1e-4f, 0.5f, "rad/s",
      Audience::kExpert, "standard deviation of the gyro bias that a start has estimated"},
-    {"prior_sigma_rad", &MappingParams::prior_sigma_rad, 1e-5f, 0.1f, "rad", Audience::kExpert,
-     "standard deviation of vision's relative attitude between two keyframes, in the prior of the "
-     "window's oldest keyframe"},
-    {"prior_sigma_m", &MappingParams::prior_sigma_m, 1e-5f, 1, "m", Audience::kExpert,
-     "standard deviation of vision's relative position between two keyframes, in the prior of the "
-     "window's oldest keyframe"},
+    {"prior_vision_weight", &MappingParams::prior_vision_weight, 0.01f, 1, "1", Audience::kExpert,
+     "weight of vision's information about a keyframe that leaves the window, in the prior of the "
+     "next: the rest of the window is not exact either"},
     {"anchor_sigma_rad", &MappingParams::anchor_sigma_rad, 1e-5f, 1, "rad", Audience::kExpert,
      "standard deviation of the prior on the gauge's heading, at the window's oldest keyframe"},
     {"anchor_sigma_m", &MappingParams::anchor_sigma_m, 1e-5f, 10, "m", Audience::kExpert,

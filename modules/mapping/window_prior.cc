@@ -19,8 +19,7 @@ struct Pair {
 // Vision's relative pose of b in a. Its residual is chosen so that the gradient of the whole pair
 // vanishes at the adjusted states: at the optimum, vision's gradient is minus that of the IMU link
 // and the prior.
-void add_relative_pose(const BodyState& a, const BodyState& b, const MappingParams& params,
-                       Pair& pair) {
+void add_relative_pose(const BodyState& a, const BodyState& b, const Mat6& vision, Pair& pair) {
   Mat6 J_a = Mat6::Zero(), J_b = Mat6::Zero();
   const Mat3 R_aW = a.T_WB.R.transpose();
   J_a.block<3, 3>(0, 0) = -b.T_WB.R.transpose() * a.T_WB.R;
@@ -28,10 +27,9 @@ void add_relative_pose(const BodyState& a, const BodyState& b, const MappingPara
   J_a.block<3, 3>(3, 0) = skew(R_aW * (b.T_WB.p - a.T_WB.p));
   J_a.block<3, 3>(3, 3) = -R_aW;
   J_b.block<3, 3>(3, 3) = R_aW;
-  Vec6 weight;
-  weight.head<3>().setConstant(information(params.prior_sigma_rad));
-  weight.tail<3>().setConstant(information(params.prior_sigma_m));
-  const Mat6 W = weight.asDiagonal();
+  const Mat6 J_inverse = J_a.partialPivLu().inverse();
+  Mat6 W = J_inverse.transpose() * vision * J_inverse;
+  W.diagonal().array() += 1.0;  // where vision saw nothing: a metre, a radian
   pair.H_aa.topLeftCorner<6, 6>() += J_a.transpose() * W * J_a;
   pair.H_ab.topLeftCorner<6, 6>() += J_a.transpose() * W * J_b;
   pair.H_bb.topLeftCorner<6, 6>() += J_b.transpose() * W * J_b;
@@ -86,9 +84,16 @@ void move(const SE3& T, WindowPrior& prior) {
   prior.gradient = (A * prior.gradient).eval();
 }
 
+Mat6 guessed_vision() {
+  Vec6 out;
+  out.head<3>().setConstant(information(0.002));
+  out.tail<3>().setConstant(information(0.005));
+  return out.asDiagonal();
+}
+
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
-                    const BodyState& b, const Preintegration* motion, const ImuNoise& noise,
-                    const MappingParams& params) {
+                    const BodyState& b, const Preintegration* motion, const Mat6& vision,
+                    const ImuNoise& noise, const MappingParams& params) {
   WindowPrior next;
   next.sequence = sequence_b;
   next.mean = b;
@@ -109,7 +114,7 @@ WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t seque
   pair.H_bb += J_b.transpose() * WJ_b;
   pair.g_a -= J_a.transpose() * Wr;
   pair.g_b -= J_b.transpose() * Wr;
-  add_relative_pose(a, b, params, pair);
+  add_relative_pose(a, b, vision, pair);
 
   const Eigen::LDLT<Mat15> H_aa_solver(pair.H_aa);
   next.information = pair.H_bb - pair.H_ab.transpose() * H_aa_solver.solve(pair.H_ab);

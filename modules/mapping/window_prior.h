@@ -1,13 +1,15 @@
 // What    is known of the window's oldest keyframe from all that came before it: one 15 x 15 prior,
 // carried from keyframe to keyframe as the window slides, each IMU link used once.
 // In      a start's convention and expectations; then, for each keyframe that leaves the window,
-//         its link to the next and both refined states.
+//         its link to the next, both refined states, and what vision knew of its pose against the
+//         others of the window.
 // Out     cost e' information e - 2 gradient' e with e = x [-] mean, for the bundle.
 // Frames  error order theta (in B, right), p, v (in W), b_g, b_a.
 // Errors  advance() over a missing link forgets velocity and keeps the biases.
 // Cost    ~20 us an advance, x86-64.
 // Source  marginalization as in Leutenegger et al., IJRR 2015, section 3.5, with vision's part
-//         summarized as a relative pose (the landmarks stay in the map and are used again).
+//         summarized as a relative pose (the landmarks stay in the map and are used again) of the
+//         information that the adjustment's own elimination leaves.
 #pragma once
 
 #include "modules/mapping/imu_link.h"
@@ -27,8 +29,11 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
 // The same prior in a world that T turns about the vertical and shifts.
 void move(const SE3& T, WindowPrior& prior);
 // `motion`: from the keyframe of `prior` (state a) to the next (state b); nullptr if not linked.
+// `vision`: information about the pose of a (theta in B, p in W) against all that stays.
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
-                    const BodyState& b, const Preintegration* motion, const ImuNoise& noise,
-                    const MappingParams& params);
+                    const BodyState& b, const Preintegration* motion, const Mat6& vision,
+                    const ImuNoise& noise, const MappingParams& params);
+// For a keyframe that leaves before an adjustment had it as its oldest: a cautious guess.
+Mat6 guessed_vision();
 
 }  // namespace pirvs

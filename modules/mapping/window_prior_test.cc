@@ -26,7 +26,7 @@ struct Case {
     motion = sway.between(0.2, 0.5, noise);
     prior = start_prior(7, a, params);
   }
-  WindowPrior advanced() const { return advance(prior, a, 8, b, &motion, noise, params); }
+  WindowPrior advanced() const { return advance(prior, a, 8, b, &motion, vision, noise, params); }
   Random random;
   Sway sway;
   ImuNoise noise;
@@ -34,6 +34,7 @@ struct Case {
   BodyState a, b;
   Preintegration motion;
   WindowPrior prior;
+  Mat6 vision = guessed_vision();
 };
 
 Mat15 numeric(const ImuLink& link, const BodyState& a, const BodyState& b, bool to_a) {
@@ -92,10 +93,10 @@ struct BruteForce {
       };
       J.col(k) = (at(h) - at(-h)) / (2 * h);
     }
-    Vec6 sigma;
-    sigma << Vec3::Constant(c.params.prior_sigma_rad), Vec3::Constant(c.params.prior_sigma_m);
-    H += J.transpose() * sigma.cwiseAbs2().cwiseInverse().asDiagonal() * J;
     const Mat6 J_a = J.leftCols<6>();
+    const Mat6 from_r = J_a.fullPivLu().inverse();
+    const Mat6 W = from_r.transpose() * c.vision * from_r + Mat6::Identity();
+    H += J.transpose() * W * J;
     const Vec6 pull = J_a.transpose().eval().fullPivLu().solve(g.head<6>());
     g -= J.transpose() * pull;
   }
@@ -141,6 +142,7 @@ TEST(window_prior, advance_equals_brute_force_marginalization) {
     c.params.anchor_sigma_rad = c.params.anchor_sigma_m = 1e6;  // no anchor
     c.prior.information = c.random.spd<15>(1e3);
     c.prior.gradient = c.random.vec15(3.0);
+    c.vision = c.random.spd<6>(1e5);
     c.a = boxplus(c.a, c.random.vec15(1e-3));
     c.b = boxplus(c.b, c.random.vec15(1e-3));
     const WindowPrior next = c.advanced();
@@ -234,7 +236,7 @@ TEST(window_prior, certainty_of_place_fades_and_biases_get_better_known) {
 TEST(window_prior, without_a_link_velocity_is_forgotten_and_biases_are_kept) {
   Case c(2);
   c.prior.information = c.random.spd<15>(1e6);
-  const WindowPrior next = advance(c.prior, c.a, 9, c.b, nullptr, c.noise, c.params);
+  const WindowPrior next = advance(c.prior, c.a, 9, c.b, nullptr, c.vision, c.noise, c.params);
   EXPECT_EQ(next.sequence, 9u);
   EXPECT_EQ((next.information.block<6, 6>(9, 9)), (c.prior.information.block<6, 6>(9, 9)));
   EXPECT_LT(next.information.diagonal().segment<3>(6).maxCoeff(), 100);

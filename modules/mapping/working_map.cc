@@ -19,6 +19,7 @@ Keyframe& WorkingMap::append(const KeyframeMessage& message) {
   Keyframe& fresh = *map_.keyframes.find(id.value());
   fresh.sequence = message.sequence;
   fresh.state = message.state;
+  pirvs::move(leveled_ * message.leveled.inverse(), fresh.state);  // it may not know of the last
   fresh.from_previous = message.from_previous;
   fresh.at_rest = message.at_rest;
   fresh.epoch = message.epoch;
@@ -99,8 +100,14 @@ void WorkingMap::move(const SE3& T) {
   }
 }
 
-void WorkingMap::join(const KeyframeMessage& message) {
-  const SE3& T = message.T_join;
+void WorkingMap::level(const SE3& T) {
+  move(T);
+  leveled_ = T * leveled_;
+}
+
+SE3 WorkingMap::join(const KeyframeMessage& message) {
+  const SE3 since = leveled_ * message.leveled.inverse();
+  const SE3 T = since * message.T_join * since.inverse();
   for (size_t i = 0; i < size(); ++i) {
     Keyframe& moved = keyframe(i);
     if (moved.epoch != message.joining) continue;
@@ -115,6 +122,7 @@ void WorkingMap::join(const KeyframeMessage& message) {
     pirvs::move(T, *moved);
     moved->epoch = message.epoch;
   }
+  return T;
 }
 
 Status WorkingMap::load(const MapSource& source) {

@@ -61,9 +61,11 @@ class WorkingMap {
 
   // ---- as a whole ----
   const Map& map() const { return map_; }
-  void move(const SE3& T);                    // all that is kept
-  void join(const KeyframeMessage& message);  // moves what the run has made to where it belongs
-  Status load(const MapSource& source);       // into an empty one; the file ends an earlier run
+  void move(const SE3& T);   // all that is kept
+  void level(const SE3& T);  // the same, by a tilt that mapping found out itself
+  const SE3& leveled() const { return leveled_; }  // by all such tilts
+  SE3 join(const KeyframeMessage& message);  // moves what the run has made to where it belongs
+  Status load(const MapSource& source);      // into an empty one; the file ends an earlier run
   void on_removed(void (*sink)(void*, const BodyState&), void* context);
 
  private:
@@ -71,6 +73,7 @@ class WorkingMap {
   FixedVector<KeyframeId, kKeyframesMax> order_;  // live keyframes, oldest first
   uint32_t run_sequence_ = 0;
   RunErrors errors_;
+  SE3 leveled_;
   void (*removed_sink_)(void*, const BodyState&) = nullptr;
   void* removed_context_ = nullptr;
 };

@@ -140,6 +140,7 @@ KeyframeMessage* Keyframer::begin(const BodyState& state, bool at_rest, uint16_t
   PIRVS_ASSERT(message != nullptr);  // what mapping has done is no longer in the ring
   message->sequence = ++sequence_;
   message->state = state;
+  message->leveled = leveled_;
   observe(seen, message->observations);
   message->from_previous = since_last_;
   message->linked = message->adjust = true;
@@ -166,6 +167,7 @@ bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, cons
     PIRVS_ASSERT(slot != nullptr);
     *slot = message;
     slot->sequence = ++sequence_;
+    slot->leveled = leveled_;
     slot->epoch = epoch;
     slot->error = error;
     ring_->end_push();

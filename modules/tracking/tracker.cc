@@ -80,6 +80,7 @@ void Tracker::take_snapshot() {
   if (snapshot == nullptr) return;
   ++counters_.snapshots;
   const SE3 T_WB_before = estimate_.state().T_WB;
+  follow_level(snapshot->leveled);
   const bool newest = snapshot->keyframe == keyframer_.sent();
   const bool joined = joining_ && newest;
   if (joined) {  // that map's frame from now on, should the adjustment fail to say so itself
@@ -100,6 +101,17 @@ void Tracker::take_snapshot() {
   associator_.take(*snapshot, estimate_.state().T_WB, keyframer_.sent());
 }
 
+// Mapping has tilted the map, and what stands in it goes along.
+void Tracker::follow_level(const SE3& leveled) {
+  const SE3 T = leveled * keyframer_.leveled().inverse();
+  keyframer_.note_leveled(leveled);
+  if (so3_log(T.R).norm() < 1e-9) return;
+  keyframer_.move_last(T);
+  initializer_.move_origin(T);
+  T_join_ = T * T_join_ * T.inverse();
+  if (running_) estimate_.carry_over(T);
+}
+
 void Tracker::move_world(const SE3& T) {
   const SE3 before = place();
   initializer_.move_origin(T);
@@ -113,6 +125,7 @@ void Tracker::continue_map(uint32_t sequence, uint16_t epoch) {
   epochs_ = epoch;
   const MapSnapshot* snapshot = mailbox_->take();
   if (snapshot == nullptr) return;
+  keyframer_.note_leveled(snapshot->leveled);
   estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
   associator_.take(*snapshot, snapshot->state.T_WB, sequence);
 }

@@ -137,6 +137,7 @@ class Tracker {
 
  private:
   void take_snapshot();
+  void follow_level(const SE3& leveled);
   void update(TimeNs t, uint8_t seen, FrameResult& result);
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
