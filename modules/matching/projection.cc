@@ -34,6 +34,7 @@ void MapView::clear() {
 void MapView::assign(const MapSnapshot& snapshot, const SE3& T_WB, const Camera* cameras,
                      int count) {
   snapshot_ = &snapshot;
+  leveled_ = snapshot.leveled;
   local_.clear();
   own_points_ = 0;
   std::fill(std::begin(index_), std::end(index_), kNone);

@@ -24,6 +24,7 @@ class MapView {
   const MapPoint* find(LandmarkId id) const;
   const FixedVector<uint16_t, kLandmarksMax>& local() const { return local_; }
   uint32_t keyframe() const { return snapshot_ == nullptr ? 0 : snapshot_->keyframe; }
+  const SE3& leveled() const { return leveled_; }  // the newest map that was seen
   uint16_t epoch() const { return snapshot_ == nullptr ? 0 : snapshot_->epoch; }
   const MapPoint& point(uint16_t index) const { return snapshot_->points[index]; }
   bool empty() const { return snapshot_ == nullptr; }
@@ -32,6 +33,7 @@ class MapView {
 
  private:
   const MapSnapshot* snapshot_ = nullptr;
+  SE3 leveled_;
   uint16_t index_[kLandmarksMax];  // slot -> place in snapshot_->points
   FixedVector<uint16_t, kLandmarksMax> local_;
   size_t own_points_ = 0;

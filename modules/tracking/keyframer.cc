@@ -140,7 +140,7 @@ KeyframeMessage* Keyframer::begin(const BodyState& state, bool at_rest, uint16_t
   PIRVS_ASSERT(message != nullptr);  // what mapping has done is no longer in the ring
   message->sequence = ++sequence_;
   message->state = state;
-  message->leveled = leveled_;
+  message->leveled = seen.map().leveled();
   observe(seen, message->observations);
   message->from_previous = since_last_;
   message->linked = message->adjust = true;
@@ -157,7 +157,8 @@ void Keyframer::end(const KeyframeMessage& message, const BodyState& state) {
   since_last_.reset(state.b_g, state.b_a);
 }
 
-bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error) {
+bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error,
+                           const Associator& seen) {
   if (!has_room(keyframes.size())) {
     dropped_ += static_cast<uint32_t>(keyframes.size());
     return false;
@@ -167,7 +168,7 @@ bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, cons
     PIRVS_ASSERT(slot != nullptr);
     *slot = message;
     slot->sequence = ++sequence_;
-    slot->leveled = leveled_;
+    slot->leveled = seen.map().leveled();
     slot->epoch = epoch;
     slot->error = error;
     ring_->end_push();

@@ -42,14 +42,12 @@ class Keyframer {
                          const Associator& seen);
   void end(const KeyframeMessage& message, const BodyState& state);
   // All keyframes of a start; the next one links to the last of them.
-  bool send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error);
+  bool send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error,
+                  const Associator& seen);
 
   // Mapping has refined the last keyframe, or closing a loop has moved it.
   void refine(const BodyState& state);
   void move_last(const SE3& T) { move(T, last_); }
-  // The map that tracking knows has been leveled so far: MapSnapshot.
-  const SE3& leveled() const { return leveled_; }
-  void note_leveled(const SE3& T) { leveled_ = T; }
   void continue_after(uint32_t sequence) { sequence_ = mapped_ = sequence; }
   // Mapping has done all up to this keyframe.
   void note_mapped(uint32_t sequence) { mapped_ = sequence > mapped_ ? sequence : mapped_; }
@@ -79,7 +77,6 @@ class Keyframer {
   };
   FixedVector<StereoPair, kTracksMax> pairs_;
   Preintegration since_last_;
-  SE3 leveled_;
   BodyState last_;
   uint32_t sequence_ = 0, mapped_ = 0, dropped_ = 0;
 };

@@ -103,8 +103,7 @@ void Tracker::take_snapshot() {
 
 // Mapping has tilted the map, and what stands in it goes along.
 void Tracker::follow_level(const SE3& leveled) {
-  const SE3 T = leveled * keyframer_.leveled().inverse();
-  keyframer_.note_leveled(leveled);
+  const SE3 T = leveled * associator_.map().leveled().inverse();
   if (so3_log(T.R).norm() < 1e-9) return;
   keyframer_.move_last(T);
   initializer_.move_origin(T);
@@ -125,7 +124,6 @@ void Tracker::continue_map(uint32_t sequence, uint16_t epoch) {
   epochs_ = epoch;
   const MapSnapshot* snapshot = mailbox_->take();
   if (snapshot == nullptr) return;
-  keyframer_.note_leveled(snapshot->leveled);
   estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
   associator_.take(*snapshot, snapshot->state.T_WB, sequence);
 }
@@ -262,7 +260,7 @@ void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
     epoch_ = ++epochs_;
     if (!place_known_) error = initializer_.origin_error(t);
   }
-  if (!keyframer_.send_start(starter.keyframes(), epoch_, error)) {
+  if (!keyframer_.send_start(starter.keyframes(), epoch_, error, associator_)) {
     initializer_.fail();  // mapping is behind: try again with the next frames
     return;
   }
