@@ -98,6 +98,15 @@ std::string lost_by_the_recorder(const Replay& run) {
   return "";
 }
 
+// But what the cameras refuse: nobody asks those of a replay.
+std::string all_told(const Replay& run) {
+  std::string out;
+  for (const tools::HealthEvent& event : run.log.health) {
+    if (event.what != "the cameras take no exposure and gain") out += event.what + "\n";
+  }
+  return out;
+}
+
 // Played again, and recorded while it is.
 void expect_replays_to_the_same_bytes(const Replay& run, const std::string& recorded) {
   const Folder second("pirvs_again_");
@@ -110,7 +119,7 @@ void expect_replays_to_the_same_bytes(const Replay& run, const std::string& reco
   for (const char* file : {"/mav0/order.csv", "/mav0/maps.csv", "/mav0/imu0/data.csv"}) {
     EXPECT_TRUE(content(recorded + file) == content(second.path() + file)) << file;
   }
-  EXPECT_EQ(run.log.health.size(), again.log.health.size());
+  EXPECT_EQ(all_told(run), all_told(again));
   for (const tools::Count& count : run.log.counters) {
     // How late the machine was, and nothing of the run.
     const bool of_time =
