@@ -1,9 +1,6 @@
 #include "modules/mapping/adjustment.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
-#include <cstdlib>
 
 #include <Eigen/LU>
 
@@ -195,33 +192,6 @@ bool Adjustment::finish(WorkingMap& map) {
     spread_error(map);
   } else if (bundle_.points() > 0) {  // one camera's first keyframe has none: nothing to adjust
     ++counters_->adjustments_failed;
-  }
-  if (getenv("DBG")) {
-    const Keyframe& n = map.newest();
-    const Keyframe& o = map.keyframe(members_[static_cast<size_t>(window_first_)].place);
-    const Vec3 up = n.state.T_WB.R.transpose() * Vec3::UnitZ();
-    const Vec3 upo = o.state.T_WB.R.transpose() * Vec3::UnitZ();
-    const Mat15 P = prior_.information.inverse();
-    fprintf(stderr,
-            "K %u t %.3f win %zu fixed %d up %.5f %.5f %.5f ba %.3f %.3f %.3f oldest t %.3f up "
-            "%.5f %.5f %.5f ba %.3f %.3f %.3f sba %.3f %.3f %.3f prior_sba %.3f %.3f %.3f stilt "
-            "%.4f vis_s %.5f %.5f\n",
-            n.sequence, double(n.state.t) * 1e-9, members_.size() - size_t(window_first_),
-            window_first_, up.x(), up.y(), up.z(), n.state.b_a.x(), n.state.b_a.y(),
-            n.state.b_a.z(), double(o.state.t) * 1e-9, upo.x(), upo.y(), upo.z(), o.state.b_a.x(),
-            o.state.b_a.y(), o.state.b_a.z(), sqrt(newest_cov_(12, 12)), sqrt(newest_cov_(13, 13)),
-            sqrt(newest_cov_(14, 14)), sqrt(P(12, 12)), sqrt(P(13, 13)), sqrt(P(14, 14)),
-            sqrt(P.topLeftCorner<3, 3>().trace() / 3),
-            1 / sqrt(vision_.topLeftCorner<3, 3>().trace() / 3),
-            1 / sqrt(vision_.bottomRightCorner<3, 3>().trace() / 3));
-  }
-  if (getenv("DBGO")) {
-    Keyframe& n = map.newest();
-    map.for_each_sighting(n, [&](int c, Observation& o, const Landmark& l) {
-      fprintf(stderr, "O %lld %u %u %d %.3f %.3f %llu %.4f %.4f %.4f\n", (long long)n.state.t,
-              o.landmark.slot, o.landmark.generation, c, o.x, o.y, (unsigned long long)o.track,
-              l.p_W.x(), l.p_W.y(), l.p_W.z());
-    });
   }
   remove_outliers(map);  // above all after a failure: the next adjustment would meet them again
   return adjusted;
