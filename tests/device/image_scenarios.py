@@ -37,7 +37,7 @@ BOOT_S_MAX = 240  # of this machine, which others load
 USB_MAC, ETH_MAC = "52:54:00:00:07:01", "52:54:00:00:07:02"
 UBOOT_DELAY_S = 2  # that a test skips by a key
 FIRST_POSE_S_MAX = 10
-BOOTS_MAX = 3
+BOOTS_MAX = 5
 
 
 class Test:
