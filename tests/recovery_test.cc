@@ -56,8 +56,8 @@ TEST(camera_loss, the_clip_goes_on_with_either_camera) {
   const struct {
     std::vector<std::string> faults;
     double ate_m_max;
-  } losses[] = {{{"cam1:5-10"}, 0.005},                // 0.0031
-                {{"cam0:7-12"}, 0.005},                // 0.0034
+  } losses[] = {{{"cam1:5-10"}, 0.005},  // 0.0031
+                {{"cam0:7-12"}, 0.005},  // 0.0034
                 // Three seconds by inertia alone: 0.011 to 0.063 over seven starts.
                 {{"cam1:5-10", "cam0:7-12"}, 0.1}};  // 0.0478
   for (const auto& loss : losses) {

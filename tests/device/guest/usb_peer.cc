@@ -157,8 +157,21 @@ struct SerialPeer {
   PoseCount poses;
   unsigned answers = 0;
 
+  // A line that has just come may take nothing yet.
   void say(const char* text) const {
-    if (write(fd, text, std::strlen(text)) < 0) std::perror("serial");
+    size_t left = std::strlen(text);
+    for (int tries = 0; left > 0 && tries < 40; ++tries) {
+      const ssize_t wrote = write(fd, text, left);
+      if (wrote < 0 && errno != EAGAIN) break;
+      if (wrote > 0) {
+        text += wrote;
+        left -= static_cast<size_t>(wrote);
+        continue;
+      }
+      pollfd room{fd, POLLOUT, 0};
+      poll(&room, 1, 50);
+    }
+    if (left > 0) std::perror("serial");
   }
   void read_all() {
     char bytes[4096];
