@@ -110,7 +110,7 @@ void Frontend::follow() {
 
 // What most tracks leave over is noise, light and blur; a patch that leaves over much more has
 // something else in it: the edge of a near object, which slides over what is behind.
-void Frontend::drop_misfits(FixedVector<float, kTracksMax>& residuals) {
+void Frontend::drop_misfits(const FixedVector<float, kTracksMax>& residuals) {
   if (residuals.empty()) return;
   FixedVector<float, kTracksMax> sorted = residuals;
   float* const middle = sorted.begin() + sorted.size() / 2;

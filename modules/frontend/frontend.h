@@ -80,7 +80,7 @@ class Frontend {
  private:
   void follow();
   bool follow_one(Track& track, float& residual, TrackLoss& why);
-  void drop_misfits(FixedVector<float, kTracksMax>& residuals);
+  void drop_misfits(const FixedVector<float, kTracksMax>& residuals);
   void space_out();
   void detect(const Vec3& gravity_C);
   void describe_track(Track& track, const Vec3& gravity_C) const;

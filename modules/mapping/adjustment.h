@@ -1,5 +1,6 @@
 // One bundle adjustment after the other: over the newest keyframes of the map and the points they
-// see, held by a prior on the oldest of them and by older, covisible keyframes that stay fixed.
+// see, held by a prior on the oldest of them and by older, covisible keyframes that stay fixed but
+// for a tilt of the whole map, which levels it.
 // In      the map, its newest keyframe just inserted.
 // Out     finish(): refined states and points in the map, sightings that proved wrong cut off, and
 //         how far the newest keyframe may be off.
@@ -8,7 +9,7 @@
 //         bundle_full, points left out; observations_removed, outliers.
 // Cost    A slice of mapper.h each: build(), step(), finish(). Mapping's core alone.
 // Source  PIRVS paper, section IV.C; ORB-SLAM's local bundle adjustment for the fixed keyframes;
-//         docs/adr/0007-error-of-the-map.md.
+//         docs/adr/0007-error-of-the-map.md and 0015-the-map-is-leveled-as-one.md.
 #pragma once
 
 #include "modules/mapping/bundle.h"
