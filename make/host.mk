@@ -160,6 +160,7 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 CUTS ?= 200
 nightly: ## what takes too long for every day: 200 power cuts of a card, 10 minutes of all sensors
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
+	@FAILURES=each $(MAKE) test-device T=versions_that_fail
 	@PIRVS_LOAD_SECONDS=600 $(MAKE) test-device T=device_load
 
 bench: $(OUT)/bench ## every kernel: reference, NEON, OpenCV where it has one; K=name one

@@ -128,12 +128,14 @@ class Test:
                  "--out", self.out / f"{version}.raucb")
         return self.out / f"{version}.raucb"
 
-    def kernel(self, out, init, *files):
+    def kernel(self, out, init):
+        """Beside what the image's own has, its initramfs knows the slots' state."""
         path = self.out / "init"
         path.write_text(init)
         self.run("tools/image/build_kernel", "--kernel", self.build / "device", "--content",
                  CONTENT, "--dtb", "rk3399-rock-pi-4b.dtb", "--level", "1",
-                 "--init", path, "--out", out, *files)
+                 "--init", path, "--out", out,
+                 f"/bin/pirvs-card={self.slot}/bin/pirvs-card")
 
     def pirvs(self, *words):
         return subprocess.run([self.build / "host/pirvs", *map(str, words)], capture_output=True,
@@ -309,40 +311,55 @@ def update(test):
                     in done.stdout, f"the update failed: {done}")
 
 
-PANICS = "#!/bin/sh\n/bin/busybox mount -t proc proc /proc\necho c > /proc/sysrq-trigger\n"
+# How a version fails, what its initramfs does for that, and what the console tells of no other.
+FAILS = {
+    "panics": ("echo c > /proc/sysrq-trigger", "Kernel panic"),
+    "hangs": ("while :; do :; done", None),
+    "ends": (":", "pirvsd.service: Failed with result"),
+}
 
 
-def hangs():
-    """The initramfs up to where it would start systemd; the watchdog's time is shorter."""
-    text = (CONTENT / "init").read_text()
-    text = text.replace("modprobe -a", "modprobe i6300esb heartbeat=6; modprobe -a", 1)
-    return text.replace("exec switch_root", "while :; do :; done; exec switch_root")
+def failing(kinds):
+    """The initramfs of a version whose first start fails as the first of `kinds` says, and so on;
+    one that ends comes as far as its pirvsd. The watchdog runs by then."""
+    cases = "".join(f"  *left={left}*) echo '<0>test: {kind}' > /dev/kmsg; {FAILS[kind][0]} ;;\n"
+                    for left, kind in zip((2, 1, 0), kinds))
+    last = "for folder in dev proc sys"
+    before, after = (CONTENT / "init").read_text().split(last)
+    return f"{before}case $(pirvs-card --card /dev/vda get) in\n{cases}esac\n{last}{after}"
 
 
 def failures(test):
-    """Versions that panic, hang, or whose pirvsd fails: back on the old one after three starts."""
+    """A version whose three starts panic, hang, and have a pirvsd that fails: back on the old one.
+    FAILURES=each: three versions, each of which fails in one way."""
     (test.out / "fails").write_text("#!/bin/sh\nexit 1\n")
     (test.out / "fails").chmod(0o755)
     image = test.copy_card()
-    unused = test.out / "unused"  # these come no further than their initramfs
-    unused.write_bytes(bytes(64 * 1024))
-    bundles = [test.bundle("test-panics", root=unused, init=PANICS),
-               test.bundle("test-hangs", root=unused, init=hangs()),
-               test.bundle("test-fails", root=test.root("test-fails", test.out / "fails"))]
+    each = os.environ.get("FAILURES") == "each"
+    plans = [(kind,) * 3 for kind in FAILS] if each else [tuple(FAILS)]
     with Device(test, image) as device:
         first = device.wait_until_it_answers()
         print(first)
-        for bundle in bundles:
+        for number, kinds in enumerate(plans):
+            version = f"test-fails-{number}"
+            bundle = test.bundle(version, root=test.root(version, test.out / "fails"),
+                                 init=failing(kinds))
             begin, said = time.monotonic(), len(device.machine.console)
             done = device.update(bundle)
-            starts = device.machine.console[said:].count("starting b")
-            print(f"{bundle.name}: {starts} starts, {time.monotonic() - begin:.0f} s of this "
+            console = device.machine.console[said:]
+            print(f"{bundle.name}: {', '.join(kinds)}: {time.monotonic() - begin:.0f} s of this "
                   f"machine: {done.stderr.strip()}")
             test.expect(done.returncode == 1 and "the new version failed" in done.stderr,
                         f"{bundle.name}: {done}")
-            left = re.findall(r"trial=b left=(\d), starting (.)", device.machine.console[said:])
+            left = re.findall(r"trial=b left=(\d), starting (.)", console)
             test.expect(left == [("2", "b"), ("1", "b"), ("0", "b"), ("0", "a")],
                         f"{bundle.name}: other starts: {left}")
+            for kind, start in zip(kinds, console.split(", starting b")[1:]):
+                start = start.split("U-Boot 20")[0]
+                told = [name for name, (_, words) in FAILS.items() if words and words in start]
+                test.expect(f"test: {kind}" in start
+                            and told == [kind] * (FAILS[kind][1] is not None),
+                            f"{bundle.name}: a start that {kind} was seen to: {told}")
             test.expect(device.wait_until_it_answers() == first, "another version than before")
 
 
@@ -373,8 +390,7 @@ def cuts(test):
     chance = random.Random(seed)
     slot = test.out / "slot"
     slot.mkdir()
-    test.kernel(slot / "kernel.fit", (GUEST / "cut_init").read_text(),
-                f"/bin/pirvs-card={test.slot}/bin/pirvs-card")
+    test.kernel(slot / "kernel.fit", (GUEST / "cut_init").read_text())
     small_root(slot / "root.squashfs", 1, 4 * MIB)
     image, offered = test.out / "card.img", test.out / "offered"
     test.run("tools/image/build_card", "--content", CONTENT, "--slot", slot, "--time", TIME,
