@@ -37,7 +37,7 @@ void Door::push(const Arrival& arrival) {
     case ArrivalKind::kWheel:
     case ArrivalKind::kEdge:
       if (arrival.after_loss) news_.losses.add(DoorLoss::kEdgesLost);
-      return aside_.push(arrival, news_.losses);
+      return aside_.push(arrival, imu_begin_, news_.losses);
     case ArrivalKind::kCommand:
       PIRVS_ASSERT(!has_command_);
       command_ = arrival.command;
@@ -69,6 +69,10 @@ void Door::push_imu(const Arrival& arrival) {
   imu_guard_.put(arrival.imu, news_.losses);
   GoodSample good;
   while (imu_guard_.get(good)) {
+    if (imu_begin_ == AsideQueue::kImuToCome) {
+      imu_begin_ = good.sample.t;
+      aside_.drop_before(imu_begin_, news_.losses);
+    }
     (void)imu_queue_.push(good);  // wants_imu(): there is room
     if (listener_.fresh != nullptr) listener_.fresh(listener_.context, good.sample, good.broken);
   }
@@ -111,6 +115,7 @@ Status Door::next(DoorItem& out) {
       case Turn::kWait:
         return Status::kEmpty;
       case Turn::kEnd:
+        if (imu_begin_ == AsideQueue::kImuToCome) aside_.drop_before(INT64_MAX, news_.losses);
         return aside_.take(INT64_MAX, out) ? Status::kOk : Status::kStale;
       case Turn::kDropFrame:
         drop_frame(why);
@@ -222,6 +227,7 @@ void Door::hand_out_sample(Turn turn, const GoodSample& next, DoorItem& out) {
   out.broken = turn == Turn::kBreak;
   if (out.broken) {  // what was before has nothing to say about what comes
     last_frame_t_ = INT64_MIN;
+    imu_begin_ = INT64_MIN;
     watch_.restart();
   }
   last_ = out.imu;

@@ -4,9 +4,9 @@
 //         next() has said kEmpty, a frame only while wants_frame().
 // Out     next(): IMU samples, then a frame once a sample exactly at its time has been handed out
 //         (interpolated when the IMU has none there). A frame may lack one image or both. GNSS
-//         fixes, wheel samples and edges come before the first sample that is later, commands and
-//         events at once. broken: time does not go on from the item before; whoever integrates
-//         must start anew.
+//         fixes, wheel samples and edges come before the first sample that is later, none from
+//         before the IMU's very first one; commands and events at once. broken: time does not go
+//         on from the item before; whoever integrates must start anew.
 //         DoorListener::fresh: each good IMU sample at once, before it waits for a frame.
 // Units   ns, rad/s, m/s^2.
 // Errors  kEmpty: nothing until more arrives. kStale: the sensors have ended. Bad input is dropped
@@ -103,6 +103,7 @@ class Door {
   Silence imu_silence_, camera_silence_;
   bool cameras_silent_ = false;
   AsideQueue aside_;
+  TimeNs imu_begin_ = AsideQueue::kImuToCome;  // INT64_MIN: time was broken since
   DoorNews news_;
   Command command_;
   bool has_command_ = false;

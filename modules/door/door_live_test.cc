@@ -281,5 +281,46 @@ TEST(door_live, fixes_wheels_and_edges_pass_in_order_of_sensor_time_commands_at_
   EXPECT_EQ(live.lost(DoorLoss::kAsideStampImpossible), 1u);
 }
 
+Arrival wheel_at(TimeNs t) { return arrival_of(WheelSample{t, {1, 2}, WheelKind::kTicks}); }
+
+// Two wheels at 50 Hz that turn for a second before the IMU begins.
+TEST(door_live, wheels_before_the_imu_are_dropped_and_take_no_room_from_those_after) {
+  constexpr TimeNs kBegin_ns = 1'000 * kMs, kEnd_ns = 1'200 * kMs;
+  Live live;
+  const auto wheels = [&](TimeNs t) {
+    live.push(wheel_at(t));
+    live.push(wheel_at(t + 1));
+  };
+  for (; live.now < kBegin_ns; live.now += 10 * kMs) {
+    if (live.now % (20 * kMs) == 0) wheels(live.now);
+    live.push(tick_at(Live::kMachine + live.now));
+  }
+  // The IMU's first samples come late, as those of a FIFO do: wheels of their time are there.
+  wheels(kBegin_ns + 2 * kMs);
+  wheels(kBegin_ns + 22 * kMs);
+  live.push(arrival_of(Live::sample(kBegin_ns)));
+  live.push(wheel_at(kBegin_ns - 10 * kMs));  // late
+  live.push(wheel_at(kBegin_ns));
+  live.now = kBegin_ns + 5 * kMs;
+  live.run(kEnd_ns, kEnd_ns, kEnd_ns);
+  std::vector<TimeNs> passed;
+  for (const DoorItem& item : live.items) {
+    if (item.kind == DoorItemKind::kWheel) passed.push_back(item.wheel.t);
+  }
+  EXPECT_EQ(passed, (std::vector<TimeNs>{kBegin_ns, kBegin_ns + 2 * kMs, kBegin_ns + 2 * kMs + 1,
+                                         kBegin_ns + 22 * kMs, kBegin_ns + 22 * kMs + 1}));
+  EXPECT_EQ(live.lost(DoorLoss::kAsideBeforeImu), 101u);
+  EXPECT_EQ(live.lost(DoorLoss::kAsideFull), 0u);
+}
+
+TEST(door_live, wheels_without_an_imu_end_with_the_sensors) {
+  Live live;
+  for (int i = 0; i < 5; ++i) live.push(wheel_at(i * kMs));
+  live.push(arrival_of(ArrivalKind::kEnd, Sensor::kImu));
+  live.push(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
+  for (const DoorItem& item : live.items) EXPECT_NE(item.kind, DoorItemKind::kWheel);
+  EXPECT_EQ(live.lost(DoorLoss::kAsideBeforeImu), 5u);
+}
+
 }  // namespace
 }  // namespace pirvs

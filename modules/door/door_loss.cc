@@ -34,6 +34,7 @@ const char* name(DoorLoss loss) {
                                            "imu_clock_set",
                                            "imu_queue_full",
                                            "aside_stamp_impossible",
+                                           "aside_before_imu",
                                            "aside_full",
                                            "edges_lost",
                                            "imu_bus_fault",

@@ -38,6 +38,7 @@ enum class DoorLoss : uint8_t {
   kImuClockSet,
   kImuQueueFull,
   kAsideStampImpossible,
+  kAsideBeforeImu,
   kAsideFull,
   kEdgesLost,
   kImuBusFault,

@@ -143,9 +143,11 @@ TEST(pins, a_wheel_turns_by_every_tick_and_is_recorded) {
   // What the recorder was given of it before the run was stopped.
   std::istringstream order(text_of(run.folder + "/record/mav0/order.csv"));
   double last = 0;
-  size_t samples = 0;
+  size_t samples = 0, after_imu = 0;
   for (std::string line; std::getline(order, line);) {
     double left = 0, right = 0;
+    if (line.compare(0, 4, "imu,") == 0) after_imu = 0;
+    after_imu += line.compare(0, 6, "wheel,") == 0 || line.compare(0, 5, "edge,") == 0;
     if (std::sscanf(line.c_str(), "wheel,%*[^,],2,%lf,%lf", &left, &right) != 2) continue;
     EXPECT_GE(left, last);
     EXPECT_EQ(right, 0);
@@ -154,6 +156,9 @@ TEST(pins, a_wheel_turns_by_every_tick_and_is_recorded) {
   }
   EXPECT_GT(samples, 300u);
   EXPECT_NEAR(last, double(turned[0]), 100) << "ticks of the last 50 ms may be missing";
+  // It turns for seconds before the IMU begins, which costs nothing of what comes later.
+  EXPECT_GT(run.counter("aside_before_imu"), 16u);
+  EXPECT_LE(run.counter("aside_full"), after_imu) << "but when the IMU has ended";
 }
 
 // Of the run with faults: dark images from frame 150 on, both cameras gone from frame 60 on.

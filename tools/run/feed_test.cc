@@ -143,6 +143,7 @@ void others(Device& device, TimeNs t) {
 
 // Four seconds in which everything goes wrong; samples come in bursts, as while a frame is tracked.
 void live(Device& device) {
+  for (TimeNs t = 0; t < 1'000 * kMs; t += 5 * kMs) others(device, t);  // the IMU begins later
   for (TimeNs t = 1'000 * kMs; t < 5'000 * kMs; t += 5 * kMs) {
     const bool imu_silent = t > 3'000 * kMs && t < 4'500 * kMs;
     const bool cameras_silent = t > 1'800 * kMs && t < 2'400 * kMs;
@@ -248,6 +249,7 @@ TEST(feed, a_recorded_run_gives_the_same_items_and_the_same_recording) {
   ASSERT_GT(device.losses()[DoorLoss::kImuBackwards], 0u);
   ASSERT_GT(device.losses()[DoorLoss::kImuNotFinite], 0u);
   ASSERT_GT(device.losses()[DoorLoss::kImuLost], 0u);
+  ASSERT_GT(device.losses()[DoorLoss::kAsideBeforeImu], 16u);
   ASSERT_GT(device.losses()[DoorLoss::kAsideFull], 0u);
   ASSERT_GT(device.losses()[DoorLoss::kEdgesLost], 0u);
   ASSERT_EQ(device.losses()[DoorLoss::kFramesLost], 11u);
