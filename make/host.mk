@@ -157,6 +157,11 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 	@mkdir -p $(@D)
 	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
 
+# All that is fetched besides packages of this machine, 400 MB; else each comes when it is wanted.
+.PHONY: fetch
+fetch: $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+	@$(MAKE) -s BOARD=ironsides fetch
+
 CUTS ?= 200
 nightly: ## what takes too long for every day: 200 power cuts of a card, 10 minutes of all sensors
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts

@@ -22,7 +22,9 @@ CALIBRATION ?=
 ZSTD_LEVEL ?= 19
 CARD_FILES := $(if $(CALIBRATION),calibration.cfg=$(CALIBRATION))
 
-.PHONY: image bundle flash
+.PHONY: image bundle flash fetch
+fetch: $(DEBIAN_ROOT) $(FIRMWARE)/idbloader.img $(LIBGPIOD)
+
 image: $(SLOT_FILES) $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; UBOOT=board DTB=file CALIBRATION=file
 	@tools/image/build_card --content $(CONTENT) --slot $(SLOT) --time $(EPOCH) --out $(CARD) \
 	  --firmware $(FIRMWARE) $(CARD_FILES)

@@ -66,7 +66,9 @@ def check(tree, options):
     def verdict(path):
         kept = cache / verdict_name(path, tree)
         if not kept.exists():
-            kept.write_text(json.dumps(read_one(path)))
+            part = kept.with_suffix(f".{os.getpid()}")
+            part.write_text(json.dumps(read_one(path)))
+            part.replace(kept)  # whole or not at all: .ci/run ends this at any time
         kept.touch()
         return kept.name, json.loads(kept.read_text())
 
