@@ -422,6 +422,7 @@ int run() {
   sinks.health = on_health;
   sinks.late = on_late;
   sinks.answer = on_answer;
+  sinks.new_recording = [](void*) { return recordings.next(); };
   app.configure(calibration, settings.params, sinks);
   app.set_clock(bsp::now);
   if (!start_record()) return kExitBadInput;

@@ -133,7 +133,7 @@ void App::control_exposure() {
 Step App::prepare_step() {
   const Step step = estimator_.wait_for_map();
   if (step == Step::kAgain && live()) control_exposure();
-  if (step == Step::kAgain && recorder_.started()) {
+  if (step == Step::kAgain && recorder_.recording()) {
     recorder_.decision(door_t_, estimator_.tracker().mapped());
   }
   return step;
@@ -224,7 +224,7 @@ Status App::poll() {
 
 Status App::finish() {
   scheduler_->stop();
-  recorder_.stop();
+  recorder_.end();
   bsp::join_cores();
   copy_counters(*scheduler_, task_counters_);
   scheduler_.reset();

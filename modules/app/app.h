@@ -42,7 +42,7 @@ class App {
   void configure(const Calibration& calibration, const AppParams& params, const AppSinks& sinks);
   // Whatever comes to the door is also written by bsp/api/storage.h as an ASL folder, from a core
   // of its own, the first that the plan leaves free. kBusFault, kFull, kNotFound: the storage
-  // refuses.
+  // refuses, or AppSinks::new_recording does. kStale: one is being written.
   Status record();
   // A recording that is there all at once is held back while this says false (replay_pace.h). Asked
   // on the door's core. Live sensors are never held back.
@@ -79,7 +79,7 @@ class App {
   TimeNs mapping_backlog() const {
     return estimator_.mapping_done() ? 0 : door_t_ - mapping_done_t_;
   }
-  bool recorder_has_room() const { return !recorder_.started() || recorder_.has_room(); }
+  bool recorder_has_room() const { return !recorder_.recording() || recorder_.has_room(); }
 
   // Before start(): the clock of the sensors' stamps, or latency() stays empty (output.h).
   void set_clock(TimeNs (*now)()) { output_.set_clock(now); }
@@ -129,6 +129,7 @@ class App {
   Estimator estimator_;
   Output output_;
   Recorder recorder_;
+  bool recorder_core_runs_ = false;
   MapIndex map_index_;
   AutoExposure exposure_;
   bool cameras_obey_ = true;  // until they say that they cannot be told

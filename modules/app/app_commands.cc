@@ -77,8 +77,12 @@ Status App::deliver(const Arrival& arrival) {
 }
 
 Status App::record() {
+  if (recorder_.busy()) return Status::kStale;
+  Result<const char*> folder = "";
+  if (sinks_.new_recording != nullptr) folder = sinks_.new_recording(sinks_.context);
+  if (!folder.ok()) return folder.status();
   const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
-                                        calibration_.camera_time_offset_ns);
+                                        calibration_.camera_time_offset_ns, folder.value());
   if (status != Status::kOk) {
     recorder_.finish();
     return status;
@@ -91,7 +95,9 @@ Status App::record() {
 Status App::start_recorder_core() {
   recorder_.set_core(plan_.cores);
   const auto entry = [](void* r) { static_cast<Recorder*>(r)->run(); };
-  return bsp::start_core(plan_.cores, entry, &recorder_);
+  const Status status = bsp::start_core(plan_.cores, entry, &recorder_);
+  recorder_core_runs_ = status == Status::kOk;
+  return status;
 }
 
 // True: something was done. A command that has to wait for mapping is asked again. It comes by the
@@ -173,13 +179,17 @@ Status App::retune(const char* name, float value) {
 }
 
 Status App::start_recording() {
-  if (recorder_.started()) return Status::kStale;
   PIRVS_TRY(record());
-  return start_recorder_core();
+  if (recorder_core_runs_) return Status::kOk;
+  const Status status = start_recorder_core();
+  if (status == Status::kOk) return status;
+  intake_.set_tap({});
+  recorder_.finish();
+  return status;
 }
 
 Status App::stop_recording() {
-  if (!recorder_.started()) return Status::kStale;
+  if (!recorder_.recording()) return Status::kStale;
   intake_.set_tap({});
   recorder_.stop();
   return Status::kOk;

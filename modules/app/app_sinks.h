@@ -5,6 +5,7 @@
 #pragma once
 
 #include "core/base/limits.h"
+#include "core/base/status.h"
 #include "core/sched/late_watch.h"
 #include "modules/door/command.h"
 #include "modules/output/pose.h"
@@ -30,6 +31,9 @@ struct AppSinks {
   void (*keyframe)(void*, const BodyState&) = nullptr;     // leaving the map, refined as it is then
   void (*answer)(void*, const Answer&) = nullptr;          // to a command
   void (*late)(void*, TimeNs, const LateTask&) = nullptr;  // live alone: a task is late repeatedly
+  // A recording begins: where, below the storage's own folder, ending with '/'. The text must stay
+  // until the next is asked for. Without this sink all go to the storage's own folder.
+  Result<const char*> (*new_recording)(void*) = nullptr;
 };
 
 struct NamedValue {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -108,6 +109,7 @@ struct Log {
   std::vector<BodyState> states;
   std::vector<std::string> health;
   uint32_t resets = 0;
+  std::vector<const char*> folders;  // for recordings, the next one last
 
   AppSinks sinks() {
     AppSinks sinks;
@@ -124,6 +126,13 @@ struct Log {
     };
     sinks.answer = [](void* log, const Answer& answer) {
       static_cast<Log*>(log)->answers.push_back(answer);
+    };
+    sinks.new_recording = [](void* log) -> Result<const char*> {
+      std::vector<const char*>& left = static_cast<Log*>(log)->folders;
+      if (left.empty()) return Status::kFull;
+      const char* const folder = left.back();
+      left.pop_back();
+      return folder;
     };
     return sinks;
   }
@@ -434,6 +443,65 @@ TEST_F(AppLife, PutsThePoseWhereItIsTold) {
   EXPECT_NEAR(std::atan2(end.T_WB.R(1, 0), end.T_WB.R(0, 0)), 1.2, 0.005);
   EXPECT_GT(log_.resets, resets);
   EXPECT_EQ(counter(*app_, "losses"), 0u) << "the map has moved along";
+}
+
+// One recording after the other, each where it is told to go.
+TEST_F(AppLife, RecordsAgainAndWritesOverNothing) {
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("pirvs_app_" + std::to_string(getpid()));
+  std::filesystem::create_directories(folder);
+  const std::string path = folder.string();
+  bsp::set_storage_directory(path.c_str());
+  log_.folders = {"0002/", "0001/"};
+  Still still(150);
+  play_fast(still);
+  ASSERT_EQ(app_->start(kOneCore, Drive::kLockstep), Status::kOk);
+  // Asked anew while the one before is still being written.
+  const auto ask = [&](CommandKind kind) {
+    Status status = Status::kStale;
+    for (int i = 0; i < 40 && status == Status::kStale; ++i) {
+      if (i > 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+      const size_t answers = log_.answers.size();
+      EXPECT_TRUE(app_->command(command(kind)).ok());
+      while (log_.answers.size() == answers && app_->poll() == Status::kOk) {
+      }
+      if (log_.answers.size() > answers) status = log_.answers.back().status;
+    }
+    return status;
+  };
+  const auto run_to = [&](int frames) {
+    while (log_.frames < frames && app_->poll() == Status::kOk) {
+    }
+  };
+  EXPECT_EQ(ask(CommandKind::kStartRecording), Status::kOk);
+  run_to(15);
+  EXPECT_EQ(ask(CommandKind::kStopRecording), Status::kOk);
+  EXPECT_EQ(ask(CommandKind::kStartRecording), Status::kOk);
+  const int begin = log_.frames;
+  EXPECT_LT(begin, 100);
+  run_to(begin + 10);
+  EXPECT_EQ(ask(CommandKind::kStopRecording), Status::kOk);
+  EXPECT_EQ(ask(CommandKind::kStartRecording), Status::kFull) << "no third folder";
+  while (app_->poll() == Status::kOk) {
+  }
+  EXPECT_EQ(app_->finish(), Status::kOk);
+  const auto images = [&](const char* of) {
+    std::vector<std::string> names;
+    for (const auto& file : std::filesystem::directory_iterator(folder / of / "mav0/cam0/data")) {
+      names.push_back(file.path().filename());
+    }
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  const auto first = images("0001"), second = images("0002");
+  EXPECT_GE(first.size(), 13u);
+  EXPECT_GE(second.size(), 9u);
+  EXPECT_LT(first.back(), second.front());
+  EXPECT_EQ(counter(*app_, "frames_recorded"), first.size() + second.size());
+  EXPECT_EQ(counter(*app_, "record_map_dropped"), 0u) << "nothing is kept for a recording's end";
+  EXPECT_FALSE(std::filesystem::exists(folder / "mav0"));
+  bsp::set_storage_directory(".");
+  std::filesystem::remove_all(folder);
 }
 
 TEST_F(AppLife, FindsItsPlaceInASavedMap) {

@@ -27,8 +27,15 @@ const char* name(RecordLoss loss) {
   return kNames[static_cast<size_t>(loss)];
 }
 
+Result<bsp::File> Recorder::open_file(const char* name) const {
+  Text<192> path;
+  path.put(folder_).put(name);
+  PIRVS_ASSERT(!path.full());
+  return bsp::storage_open(path.c_str());
+}
+
 Status Recorder::open(Table& table, const char* name, const char* heading) {
-  const Result<bsp::File> file = bsp::storage_open(name);
+  const Result<bsp::File> file = open_file(name);
   if (!file.ok()) return file.status();
   table.file = file.value();
   table.open = true;
@@ -38,7 +45,14 @@ Status Recorder::open(Table& table, const char* name, const char* heading) {
 }
 
 Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
-                       TimeNs camera_time_offset_ns) {
+                       TimeNs camera_time_offset_ns, const char* folder) {
+  if (busy()) return Status::kStale;
+  folder_ = folder;
+  failed_ = false;
+  flush_t_ = 0;
+  repeated_names_ = 0;
+  for (TimeNs& t : last_t_) t = INT64_MIN;
+  while (map_ring_.front() != nullptr) map_ring_.pop();  // it came while the last one ended
   for (int c = 0; c < count; ++c) {
     PIRVS_TRY(write_camera_yaml(c, cameras[c], camera_time_offset_ns));
     PIRVS_TRY(open(camera_[c], kCameraTable[c], "#timestamp [ns],filename\n"));
@@ -50,12 +64,14 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
   PIRVS_TRY(open(order_, "mav0/order.csv", kOrderHeading));
   PIRVS_TRY(open(maps_, "mav0/maps.csv", "#frame [ns],keyframe\n"));
   started_ = true;
+  state_.store(State::kRecording, std::memory_order_release);
+  if (core_ >= 0) bsp::wake(core_);
   return Status::kOk;
 }
 
 Status Recorder::write_text(const char* name, const TextWriter& text) {
   PIRVS_ASSERT(!text.full());
-  const Result<bsp::File> file = bsp::storage_open(name);
+  const Result<bsp::File> file = open_file(name);
   if (!file.ok()) return file.status();
   const Status written = bsp::storage_write(file.value(), text.c_str(), text.size());
   const Status closed = bsp::storage_close(file.value());
@@ -182,7 +198,7 @@ Status Recorder::write_map(const MapRow& row) {
 }
 
 Status Recorder::write_image(const ImageView& image, const char* name) {
-  const Result<bsp::File> file = bsp::storage_open(name);
+  const Result<bsp::File> file = open_file(name);
   if (!file.ok()) return file.status();
   Text<64> head;
   head.put("P5\n").number(image.width).put(" ").number(image.height);
@@ -246,19 +262,34 @@ Step Recorder::step() {
 }
 
 void Recorder::stop() {
-  stopping_.store(true, std::memory_order_release);
+  State was = State::kRecording;
+  state_.compare_exchange_strong(was, State::kStopping);
+  if (core_ >= 0) bsp::wake(core_);
+}
+
+void Recorder::end() {
+  stop();
+  ending_.store(true, std::memory_order_release);
   if (core_ >= 0) bsp::wake(core_);
 }
 
 void Recorder::run() {
   constexpr TimeNs kRest_ns = 50'000'000;  // samples do not wake: their ring is long
+  constexpr TimeNs kIdle_ns = 10'000'000'000;
   for (;;) {
-    const bool last = stopping_.load(std::memory_order_acquire);
-    if (step() == Step::kAgain) continue;
-    if (last) break;
-    bsp::wait(core_, bsp::now() + kRest_ns);
+    const bool ending = ending_.load(std::memory_order_acquire);
+    const State state = state_.load(std::memory_order_acquire);
+    if (state == State::kIdle) {
+      if (ending) return;
+      bsp::wait(core_, bsp::now() + kIdle_ns);
+    } else if (step() == Step::kIdle) {
+      if (state == State::kStopping) {
+        finish();
+      } else {
+        bsp::wait(core_, bsp::now() + kRest_ns);
+      }
+    }
   }
-  finish();
 }
 
 void Recorder::finish() {
@@ -269,6 +300,7 @@ void Recorder::finish() {
     if (!failed_) check(closed);
     table->open = false;
   }
+  state_.store(State::kIdle, std::memory_order_release);
 }
 
 }  // namespace pirvs

@@ -2,12 +2,14 @@
 // in its way: raw, before any of it is judged, so that a run can be had again.
 // In      arrival(): from the door's core, in the order of arrival; decision(): what a frame in
 //         work goes by that arrivals do not say. step(): from a core that has time, at best its
-//         own. A frame is held (bsp::camera_retain) until it is written.
-// Out     By bsp/api/storage.h: mav0/cam*/data/*.pgm with data.csv and sensor.yaml, imu0 likewise.
-//         An image is listed once it is complete, and rows wait for kFlush_ns at most, so that what
-//         is left after a power cut is whole. Numbers read back to the bit. mav0/order.csv: a
-//         row for each arrival in its order, so that a replay can follow it (order_row.h).
-//         mav0/maps.csv: the newest keyframe that mapping had finished when each frame began.
+//         own. A frame is held (bsp::camera_retain) until it is written. One recording may follow
+//         the other, each in a folder of its own.
+// Out     By bsp/api/storage.h, below the recording's folder: mav0/cam*/data/*.pgm with data.csv
+//         and sensor.yaml, imu0 likewise. An image is listed once it is complete, and rows wait for
+//         kFlush_ns at most, so that what is left after a power cut is whole. Numbers read back to
+//         the bit. mav0/order.csv: a row for each arrival in its order, so that a replay can follow
+//         it (order_row.h). mav0/maps.csv: the newest keyframe that mapping had finished when each
+//         frame began.
 // Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
@@ -41,15 +43,19 @@ enum class RecordLoss : uint8_t {
 };
 const char* name(RecordLoss loss);
 
+// Many methods: its life, what comes and one for each file that is written, a line or a few each.
 class Recorder {
  public:
   static constexpr size_t kFramesHeld = 6;  // 0.3 s at 20 Hz: a disk's usual stall
   static constexpr TimeNs kFlush_ns = 500'000'000;
 
-  // Opens the files and writes the calibration.
+  // Opens the files and writes the calibration. `folder` ends with '/' unless it is empty; the text
+  // must stay while busy(). kStale: the last recording has not been written to its end.
   Status start(const Camera* cameras, int count, const ImuNoise& noise,
-               TimeNs camera_time_offset_ns);
-  bool started() const { return started_; }
+               TimeNs camera_time_offset_ns, const char* folder = "");
+  bool started() const { return started_; }  // this recording or an earlier one
+  bool recording() const { return state_ == State::kRecording; }
+  bool busy() const { return state_ != State::kIdle; }
 
   void arrival(const Arrival& arrival);
   // When tracking began the frame of time t, mapping had finished this keyframe and all before it.
@@ -58,11 +64,13 @@ class Recorder {
   bool has_room() const;
 
   Step step();
-  void finish();  // after the last step: writes out what waits and closes
+  void finish();  // after the last step: writes out what waits and closes; no longer busy()
   // The writer's core, before run() begins there: it is woken when there is a frame to write.
   void set_core(int core) { core_ = core; }
-  // No more will come: run() on the writer's core returns once the rings are empty.
+  // No more will come of this recording: run() finishes it once the rings are empty.
   void stop();
+  // Likewise, and then run() returns.
+  void end();
   void run();
 
   const CounterArray<RecordLoss>& losses() const { return losses_; }
@@ -80,6 +88,9 @@ class Recorder {
     Status write();
   };
 
+  // Idle, the door's core may start; else all but the rings' writing ends is the writer's.
+  enum class State : uint8_t { kIdle, kRecording, kStopping };
+
   struct MapRow {
     TimeNs t;
     uint32_t keyframe;
@@ -92,6 +103,7 @@ class Recorder {
                                        + 512;                  // all else
   static constexpr size_t kMapRing = 512;                      // 5 s at 100 frames a second
 
+  Result<bsp::File> open_file(const char* name) const;
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
   Status write_imu_yaml(const ImuNoise& noise);
@@ -112,11 +124,13 @@ class Recorder {
   Ring<MapRow, kMapRing> map_ring_;
   Table imu_, order_, maps_, camera_[kCamerasMax];
   TimeNs last_t_[kCamerasMax] = {INT64_MIN, INT64_MIN};
-  TimeNs flush_t_ = 0;                // of the next one
-  std::atomic<int> core_{-1};         // none: steps are called by hand
+  TimeNs flush_t_ = 0;         // of the next one
+  std::atomic<int> core_{-1};  // none: steps are called by hand
+  const char* folder_ = "";
   std::atomic<bool> started_{false};  // by a command, while App::counters() may ask
+  std::atomic<State> state_{State::kIdle};
+  std::atomic<bool> ending_{false};
   bool failed_ = false;
-  std::atomic<bool> stopping_{false};
   Counter frames_written_;
   uint32_t repeated_names_ = 0;
   CounterArray<RecordLoss> losses_;

@@ -56,14 +56,15 @@ class recorder : public testing::Test {
             },
             [](void* context, FrameId) { ++static_cast<recorder*>(context)->released_; }};
   }
-  std::string content(const std::string& file) const {
+  std::string content_of(const std::string& file) const {
     std::ostringstream text;
-    text << std::ifstream(path_ + "/mav0/" + file, std::ios::binary).rdbuf();
+    text << std::ifstream(path_ + "/" + file, std::ios::binary).rdbuf();
     return text.str();
   }
+  std::string content(const std::string& file) const { return content_of("mav0/" + file); }
   void write_all() {
     recorder_->set_core(1);
-    recorder_->stop();
+    recorder_->end();
     recorder_->run();
   }
 
@@ -136,6 +137,30 @@ TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
   EXPECT_EQ(recorder_->losses()[RecordLoss::kImuDropped], 1500u - 1024u);
   EXPECT_TRUE(recorder_->has_room());
   EXPECT_EQ(recorder_->losses()[RecordLoss::kNotWritten], 0u);
+}
+
+TEST_F(recorder, one_follows_the_other_in_a_folder_of_its_own) {
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0001/"), Status::kOk);
+  record(7);
+  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kStale) << "it records";
+  recorder_->stop();
+  EXPECT_FALSE(recorder_->recording());
+  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kStale)
+      << "the last is not written yet";
+  while (recorder_->step() == Step::kAgain) {
+  }
+  recorder_->finish();
+  EXPECT_FALSE(recorder_->busy());
+  recorder_->decision(7, 1);  // of a core that has not seen the end
+  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kOk);
+  record(5);  // the stamps of a new recording are judged by themselves
+  write_all();
+  EXPECT_EQ(content_of("0001/mav0/cam0/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n");
+  EXPECT_EQ(content_of("0002/mav0/cam0/data.csv"), "#timestamp [ns],filename\n5,5.pgm\n");
+  EXPECT_EQ(content_of("0002/mav0/cam0/data/5.pgm"), "P5\n4 2\n255\nabcdefgh");
+  EXPECT_EQ(content_of("0002/mav0/maps.csv"), "#frame [ns],keyframe\n");
+  EXPECT_FALSE(fs::exists(folder_ / "mav0/cam0/data.csv"));
+  EXPECT_EQ(recorder_->frames_written(), 2u);
 }
 
 TEST_F(recorder, says_at_the_start_that_it_cannot_write) {

@@ -38,7 +38,7 @@ class device : public testing::TestWithParam<bool> {
     static std::map<bool, tools::Recording> both;
     const auto found = both.find(GetParam());
     if (found != both.end()) return found->second;
-    return both[GetParam()] = tools::open_recording(run().folder + "/record", {});
+    return both[GetParam()] = tools::open_recording(run().folder + "/record/0001", {});
   }
 };
 

@@ -73,7 +73,8 @@ TEST(device_exposure, settles_in_the_dark_after_a_change_and_after_another_progr
   ASSERT_EQ(run.status, 0) << run.console;
   std::printf("%s%s", run.fed.c_str(), run.news.c_str());
   EXPECT_TRUE(run.says("pirvsd ended with 0")) << run.console;
-  const std::vector<double> errors = errors_of(tools::open_recording(run.folder + "/record", {}));
+  const std::vector<double> errors =
+      errors_of(tools::open_recording(run.folder + "/record/0001", {}));
   for (size_t i = 0; i < errors.size(); ++i) std::printf("%.2f ", errors[i]);
   std::printf("\n");
   ASSERT_GT(errors.size(), 140u);

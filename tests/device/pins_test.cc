@@ -141,7 +141,7 @@ TEST(pins, a_wheel_turns_by_every_tick_and_is_recorded) {
   EXPECT_EQ(run.counter("pin.wheel_missed"), 0u);
   EXPECT_EQ(run.counter("pin.not_delivered"), 0u);
   // What the recorder was given of it before the run was stopped.
-  std::istringstream order(text_of(run.folder + "/record/mav0/order.csv"));
+  std::istringstream order(text_of(run.folder + "/record/0001/mav0/order.csv"));
   double last = 0;
   size_t samples = 0, after_imu = 0;
   for (std::string line; std::getline(order, line);) {

@@ -39,7 +39,7 @@ TEST(device_power, a_recording_is_whole_up_to_the_last_second_when_it_goes) {
                          " > " + run.folder + "/debugfs 2>&1")
                             .c_str()),
             0);
-  const tools::Recording left = tools::open_recording(run.folder + "/record", {});
+  const tools::Recording left = tools::open_recording(run.folder + "/record/0001", {});
   constexpr TimeNs kLost_max = 1'700'000'000;  // rows wait 0.5 s, the disk a second, and writes
   std::printf("cut at %.3f s; samples to %.3f s before it, images to %.3f s\n", to_seconds(cut),
               to_seconds(cut - left.imu.back().t), to_seconds(cut - left.frames.back().t));

@@ -42,7 +42,7 @@ tools::Recording rest() {
 
 struct UsbRun {
   int status = -1;
-  std::string console, states, devices, usb, news, peer;
+  std::string console, states, devices, usb, news, peer, recordings;
   std::vector<std::string> answers;
   std::map<std::string, double> values;  // of the peer, of pirvsd's counters
 
@@ -122,6 +122,7 @@ UsbRun run_usb() {
   out.devices = text_of(folder + "/devices");
   out.usb = text_of(folder + "/usb");
   out.news = text_of(folder + "/news");
+  out.recordings = text_of(folder + "/recordings");
   out.peer = text_of(folder + "/peer") + text_of(folder + "/cost");
   read_values(out.peer, "", out);
   read_values(out.news, "counter", out);
@@ -191,6 +192,8 @@ TEST_F(usb, the_line_obeys) {
       "ok record start",
       "ok record stop",
       "ok counters ",
+      "ok record start",
+      "ok record stop",
   };
   // Once the cable is back; what the terminal echoed before it was raw may have an answer before.
   const std::vector<std::string> last = {"ok reset", "ok stop"};
@@ -201,6 +204,8 @@ TEST_F(usb, the_line_obeys) {
   }
   EXPECT_TRUE(std::equal(last.rbegin(), last.rend(), answers.rbegin())) << run().peer;
   EXPECT_GT(run().value("disk.flushes"), 0) << "of the recording that was started by command";
+  // Of two, neither over the other, nor over what was there before.
+  EXPECT_EQ(run().recordings, "0007\n0008\n0009\n0008/mav0/order.csv\n0009/mav0/order.csv\n");
 }
 
 TEST_F(usb, shows_the_cameras_pixels) {

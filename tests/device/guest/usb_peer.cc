@@ -210,6 +210,8 @@ constexpr const char* kTyped[] = {
     "record start\n",
     "record stop\n",
     "counters\n",
+    "record start\n",
+    "record stop\n",
 };
 
 // ---- camera ------------------------------------------------------------------------------------
