@@ -54,7 +54,8 @@ FEEDER_SRC := tests/device/guest/feeder.cc bsp/replay/pack.cc bsp/replay/replay.
   $(addprefix bsp/linux/,assert.cc clock.cc events.cc)
 ROBOT_SRC := tests/device/guest/robot.cc
 FEEDER_OBJ := $(FEEDER_SRC:%.cc=$(OUT)/obj/%.o)
-ROBOT_OBJ := $(ROBOT_SRC:%.cc=$(OUT)/obj/%.o)
+ROBOT_OBJ := $(ROBOT_SRC:%.cc=$(OUT)/obj/%.o) $(OUT)/obj/bsp/linux/assert.o \
+  $(call shared_objects,modules/stream/stream.cc $(filter core/base/% core/math/%,$(LINUX_SRC)))
 $(BUILD)/device/feeder: $(FEEDER_OBJ)
 $(BUILD)/device/robot: $(ROBOT_OBJ)
 $(BUILD)/device/feeder $(BUILD)/device/robot:

@@ -1,9 +1,10 @@
 // Exposure and gain through real controls of V4L2: a sensor that begins in the dark, light that
-// changes at once, and another program that meddles; and the pin that triggers it, seen from
-// outside.
+// changes at once, and another program that meddles; the pin that triggers it, seen from outside,
+// and a pulse per second on another.
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <map>
@@ -50,6 +51,7 @@ size_t settled(const std::vector<double>& errors, size_t from, size_t count) {
 }
 
 constexpr size_t kDim = 60, kMeddle = 110;
+constexpr double kRate_ppb = 123'000;  // by how much the device's clock is fast: 1.000123 s a pulse
 
 const DeviceRun& exposed_run() {
   static const DeviceRun run = [] {
@@ -58,11 +60,14 @@ const DeviceRun& exposed_run() {
     // It begins with a tenth of the exposure that the recording was taken with.
     setup.camera = "exposure=4 dim_at=60 meddle_at=110 mplane=1";
     setup.grid = true;
-    setup.robot = "9 0 0";
+    setup.robot = "9 1000123 0 pps";
     setup.config =
         "pin.trigger = TRIGGER\n"
         "trigger.rate_hz = 20\n"
-        "trigger.width_us = 800\n";
+        "trigger.width_us = 800\n"
+        "pin.sync_in = SYNC_IN\n"
+        "pin.sync_in_as = pps\n"
+        "output.stream = 127.0.0.1:14560\n";
     return run_guest(fed_recording(), setup);
   }();
   return run;
@@ -155,6 +160,40 @@ TEST(device_exposure, a_pin_triggers_half_an_exposure_before_the_grid) {
   for (size_t i = 0; i < std::min(up.size(), down.size()); ++i) {
     EXPECT_NEAR(double(down[i] - up[i]), 800e3, 100e3) << i;
   }
+}
+
+// What the stream says at each pulse, of a clock that runs beside the device's own.
+TEST(pins, a_pulse_per_second_gives_the_rate_and_the_phase_of_its_clock) {
+  constexpr double kNear_ns = 20e3, kNearInEnd_ppb = 2e3;
+  const DeviceRun& run = exposed_run();
+  ASSERT_EQ(run.status, 0) << run.console;
+  const std::vector<TimeNs> pulses = run.robot_times("sync");
+  ASSERT_GE(pulses.size(), 9u);
+  EXPECT_EQ(run.counter("pin.sync_in_edges"), pulses.size());
+  EXPECT_EQ(run.counter("pin.pps_odd"), 0u);
+  size_t told = 2;  // a clock is known from the third on
+  double rate_ppb = 0;
+  std::istringstream all(run.pins);
+  for (std::string line; std::getline(all, line);) {
+    long long t = 0;
+    double noise_ns = 0;
+    unsigned count = 0, odd = 0;
+    if (std::sscanf(line.c_str(), "pps %lld %lf %lf %u %u", &t, &rate_ppb, &noise_ns, &count,
+                    &odd) != 5) {
+      continue;
+    }
+    ASSERT_LT(told, pulses.size());
+    const double off_ns = double(t - pulses[told]);
+    std::printf("pulse %u: %.1f us from its second, rate %.1f ppb, noise %.1f us\n", count,
+                1e-3 * off_ns, rate_ppb, 1e-3 * noise_ns);
+    EXPECT_LT(std::abs(off_ns), kNear_ns) << told;
+    EXPECT_NEAR(rate_ppb, kRate_ppb, 20e3) << told;
+    EXPECT_LT(noise_ns, kNear_ns);
+    EXPECT_EQ(count, ++told) << "one at each";
+    EXPECT_EQ(odd, 0u);
+  }
+  EXPECT_EQ(told, pulses.size());
+  EXPECT_NEAR(rate_ppb, kRate_ppb, kNearInEnd_ppb);
 }
 
 }  // namespace

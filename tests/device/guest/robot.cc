@@ -1,15 +1,18 @@
 // What stands at the other end of the device's pins: puts edges on SYNC_IN and turns a wheel, and
 // writes down when the kernel saw SYNC_OUT, HEALTH and TRIGGER change.
-// usage: robot SECONDS SYNC_PERIOD_US WHEEL_PERIOD_US, times of this guest; 0: that one rests
+// usage: robot SECONDS SYNC_PERIOD_US WHEEL_PERIOD_US [pps], times of this guest; 0: that one
+//        rests. With pps it asks how pirvsd sees the clock that SYNC_IN is the pulse of.
 //        robot hog: takes all memory that there is
 // Out     On standard output: "sync T", the time chosen for a rising edge of SYNC_IN, "wheel TICKS"
 //         turned in all, "SYNC_OUT T LEVEL", HEALTH and TRIGGER likewise, "lost N" edges that it
-//         missed.
+//         missed, "pps T RATE_PPB NOISE_NS PULSES ODD" of the stream.
+#include <arpa/inet.h>
 #include <fcntl.h>
 #include <linux/gpio.h>
 #include <poll.h>
 #include <sched.h>
 #include <sys/ioctl.h>
+#include <sys/socket.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -17,6 +20,8 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+
+#include "modules/stream/stream.h"
 
 namespace {
 
@@ -133,6 +138,45 @@ class Player {
   unsigned ticks_ = 0;
 };
 
+// What the stream tells of the external clock.
+class ClockListener {
+ public:
+  explicit ClockListener(bool wanted) : fd_(wanted ? socket(AF_INET, SOCK_DGRAM, 0) : -1) {
+    sockaddr_in device{};
+    device.sin_family = AF_INET;
+    device.sin_port = htons(14560);
+    device.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (wanted && connect(fd_, reinterpret_cast<sockaddr*>(&device), sizeof device) != 0) {
+      fail("stream");
+    }
+  }
+
+  void poll(int64_t t) {
+    if (fd_ < 0) return;
+    uint8_t bytes[pirvs::stream::kMax];
+    if (t >= ask_t_) {
+      ask_t_ = t + kSecond;
+      const pirvs::stream::SubscribeMessage ask = {bit(pirvs::stream::Kind::kPps), 3};
+      (void)!send(fd_, bytes, encode(ask, bytes), MSG_DONTWAIT);
+    }
+    ssize_t size = 0;
+    while ((size = recv(fd_, bytes, sizeof bytes, MSG_DONTWAIT)) > 0) {
+      pirvs::stream::Header header;
+      pirvs::stream::PpsMessage pps;
+      if (!decode(bytes, static_cast<size_t>(size), header) ||
+          !decode(header, bytes + pirvs::stream::kHeaderBytes, pps)) {
+        continue;
+      }
+      std::printf("pps %lld %.1f %.1f %u %u\n", static_cast<long long>(pps.t), pps.rate_ppb,
+                  static_cast<double>(pps.noise_ns), pps.pulses, pps.odd);
+    }
+  }
+
+ private:
+  int fd_;
+  int64_t ask_t_ = 0;
+};
+
 [[noreturn]] void take_all_memory() {
   constexpr size_t kPiece = 1 << 20;
   for (;;) {
@@ -145,19 +189,22 @@ class Player {
 
 int main(int argc, char** argv) {
   if (argc == 2 && std::strcmp(argv[1], "hog") == 0) take_all_memory();
-  if (argc != 4) return 2;
+  const bool pps = argc == 5 && std::strcmp(argv[4], "pps") == 0;
+  if (argc != 4 && !pps) return 2;
   const int64_t begin = now() + 500 * kMilli;
   const int64_t end = begin + static_cast<int64_t>(std::atof(argv[1]) * kSecond);
   const sched_param urgent{47};
   if (sched_setscheduler(0, SCHED_FIFO, &urgent) != 0) std::perror("no priority");
   const int fd = listen();
   Player player(begin, 1000 * std::atoll(argv[2]), 1000 * std::atoll(argv[3]));
+  ClockListener clock(pps);
   uint32_t seen = 0, lost = 0;
   for (int64_t t = now(); t < end; t = now()) {
     player.play(t + 300 * kMilli < end ? t + 300 * kMilli : end);
     pollfd ready{fd, POLLIN, 0};
     poll(&ready, 1, 100);
     note(fd, seen, lost);
+    clock.poll(t);
   }
   // It still watches when pirvsd ends.
   for (const int64_t watched = now() + 3 * kSecond; now() < watched;) {
