@@ -43,7 +43,7 @@ def of_run(summary):
     for part in ("position", "attitude", "velocity", "gyro_bias", "accel_bias"):
         out["nees_" + part] = _at(summary, "nees", part)
     for when in ("at_10_s", "at_end"):
-        out["tilt_" + when] = _at(summary, "tilt_deg", when)
+        out["tilt_" + when] = _at(summary, "evaluation", f"tilt_{when}_deg")
     return out
 
 

@@ -9,8 +9,8 @@ import subprocess
 import time
 from pathlib import Path
 
-PARTS = ("decide", "confirm", "show")
-SOURCES = ("data", "given", "sim")
+PARTS = ("decide", "confirm", "still", "mode")
+SOURCES = ("data", "given", "sim", "as")
 DRAWN = "drawn.json"  # beside mav0: which options drew it
 
 # row: as it is shown; recording: rows of one recording weigh as one.
@@ -23,7 +23,7 @@ class TableError(Exception):
 
 def read_table(text):
     """Every row of the table, one for each start."""
-    rows = []
+    rows, sources = [], {}
     for number, line in enumerate(text.splitlines(), 1):
         words = shlex.split(line, comments=True)
         if not words:
@@ -31,6 +31,9 @@ def read_table(text):
         if len(words) < 7 or words[2] not in PARTS or words[5] not in SOURCES:
             raise TableError(f"line {number}: not a recording: {line}")
         name, kind, part, starts, options, *source = words
+        if source[0] == "as" and source[1] not in sources:
+            raise TableError(f"line {number}: {source[1]} does not stand above")
+        source = sources.setdefault(name, sources[source[1]] if source[0] == "as" else source)
         for start in starts.split(","):
             shown = name if "," not in starts else f"{name}@{start}"
             rows.append(Row(shown, name.split(".")[0], kind, part, float(start),
@@ -55,7 +58,7 @@ class Places:
         """(folder, None), or (None, why there is none)."""
         kind, name = row.source[0], row.source[1]
         if kind == "sim":
-            return self.drawn / drawn_name(row), None
+            return self.drawn / row.recording, None
         if kind == "given" and not self.given:
             return None, "EVAL_HYBRID names no folder"
         folder = (Path(self.given) if kind == "given" else self.data) / name
@@ -63,10 +66,6 @@ class Places:
             variable = "EVAL_HYBRID" if kind == "given" else "PIRVS_DATA"
             return None, f"no recording at {folder}: set {variable}"
         return folder, None
-
-
-def drawn_name(row):
-    return row.recording
 
 
 def is_drawn(folder, options):
@@ -92,7 +91,7 @@ def draw_missing(program, rows, places, say):
     for row in rows:
         if row.source[0] == "sim":
             options = row.source[1:]
-            if wanted.setdefault(drawn_name(row), options) != options:
+            if wanted.setdefault(row.recording, options) != options:
                 raise TableError(f"{row.name}: its recording is drawn in two ways")
     missing = {name: options for name, options in wanted.items()
                if not is_drawn(places.drawn / name, options)}

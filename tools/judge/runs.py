@@ -35,10 +35,10 @@ def jobs(rows, folders, program, out, count):
         step_s = recordings.frame_s(folder)
         for index in range(count(row)):
             start_s = f"{row.start_s + index * step_s:.6f}"
-            options = [str(folder), "--start", start_s, *row.options]
+            options = ["--start", start_s, *row.options]
             key = [digest, recordings.identity(folder), options]
             place = out / "runs" / row.name / str(index)
-            command = [program, "run", *options, "--out", str(place)]
+            command = [program, "run", str(folder), *options, "--out", str(place)]
             yield Job(row, index, command, place, key, "--cores" in row.options)
 
 

@@ -1,4 +1,4 @@
-"""The one-screen table."""
+"""The tables: every row, ways to run, after against before. As text for one screen."""
 
 import math
 
@@ -6,7 +6,13 @@ import figures
 
 HEAD = ("row", "ATE mm", "range", "RPE mm", "deg", "NEES p", "a", "v", "bg", "ba", "tilt 10s",
         "end", "cover", "CPU ms", "failed")
-WIDTH = (12, 8, 16, 8, 7, 8, 7, 7, 7, 7, 10, 7, 8, 8, 9)
+WIDTH = (18, 8, 16, 8, 7, 8, 7, 7, 7, 7, 10, 7, 8, 8, 9)
+WIDTH_BEFORE = (9, 8)
+WIDTH_RATIO = (18, 22, 22, 22, 22, 22)
+MARK = {1: "better", -1: "worse", 0: ""}
+COMPARED = (("ATE", "ate_mm", "median"), ("worst ATE", "ate_mm", "high"),
+            ("RPE mm", "rpe_mm", "median"), ("RPE deg", "rpe_deg", "median"),
+            ("CPU", "cpu_ms", "median"))
 
 
 def number(value, digits):
@@ -20,7 +26,7 @@ def _median(runs, name, digits):
     return number(found.median if found else None, digits)
 
 
-def cells(name, runs):
+def _cells(name, runs):
     ate = figures.figure(runs, "ate_mm")
     cover = figures.figure(runs, "coverage").median
     return [
@@ -39,14 +45,17 @@ def cells(name, runs):
     ]
 
 
-def line(words, width=WIDTH):
-    return "".join(f"{word:<{w}}" if i == 0 else f"{word:>{w}}"
-                   for i, (word, w) in enumerate(zip(words, width)))
-
-
-MARK = {1: "better", -1: "worse", 0: ""}
-COMPARED = (("ATE", "ate_mm", "median"), ("worst", "ate_mm", "high"), ("RPE t", "rpe_mm", "median"),
-            ("RPE r", "rpe_deg", "median"), ("CPU", "cpu_ms", "median"))
+def body(rows, after, before=None):
+    """(head, a line of words for each row); with before its ATE and whether the ranges part."""
+    lines = []
+    for row in rows:
+        words = _cells(row.name, after[row.name])
+        if before:
+            then = figures.figure(before.get(row.name, []), "ate_mm")
+            now = figures.figure(after[row.name], "ate_mm")
+            words += [number(then.median if then else None, 2), MARK[figures.verdict(now, then)]]
+        lines.append(words)
+    return [*HEAD, *(("before", "") if before else ())], lines
 
 
 def change(found):
@@ -57,28 +66,65 @@ def change(found):
     return f"x{found.change:.3f} ({found.low:.2f}..{found.high:.2f})"
 
 
-def groups(rows):
+def _groups(rows):
     """(title, rows) to be averaged: what decides, what confirms, then each kind."""
     out = [(part, [row for row in rows if row.part == part]) for part in ("decide", "confirm")]
-    for kind in dict.fromkeys(row.kind for row in rows):
+    for kind in dict.fromkeys(row.kind for row in rows if row.part != "mode"):
         out.append((kind, [row for row in rows if row.kind == kind]))
     return [(title, members) for title, members in out if members]
 
 
+def compared(rows, after, before):
+    """(head, a line for each group): geometric means of after / before."""
+    lines = []
+    for title, members in _groups(rows):
+        found = [figures.compare(members, after, before, *what) for _, *what in COMPARED]
+        lines.append([title, *map(change, found)])
+    return ["", *(title for title, _, _ in COMPARED)], lines
+
+
+def _plain(row, rows):
+    """The row that runs the same recording in no other way, from the same start."""
+    for other in rows:
+        if (other.recording, other.start_s, other.options) == (row.recording, row.start_s, []):
+            return other
+    return None
+
+
+def modes(rows, after):
+    """(head, a line for each other way to run): ratio to the plain way, and whether it is that."""
+    lines = []
+    for kind in dict.fromkeys(row.kind for row in rows if row.part == "mode"):
+        pairs, same = {"ate_mm": [], "rpe_mm": []}, []
+        for row in rows:
+            plain = _plain(row, rows)
+            if row.kind != kind or plain is None:
+                continue
+            runs = after[row.name]
+            plain_runs = after[plain.name][:len(runs)]
+            same += [a["ate_mm"] == b["ate_mm"] for a, b in zip(runs, plain_runs)]
+            for name, found in pairs.items():
+                medians = [figures.figure(r, name).median for r in (runs, plain_runs)]
+                found.append((row.recording, figures.ratio(*medians)))
+        lines.append([kind, *(change(figures.mean_ratio(found)) for found in pairs.values()),
+                      f"{sum(same)} of {len(same)}"])
+    return ["against plain", "ATE", "RPE mm", "same ATE"], lines
+
+
+def _line(words, width):
+    return "".join(f"{word:<{w}}" if i == 0 else f"{word:>{w}}"
+                   for i, (word, w) in enumerate(zip(words, width)))
+
+
+def _text(head, lines, width):
+    return [_line(words, width).rstrip() for words in (head, *lines)]
+
+
 def text(rows, after, before=None):
-    head = list(HEAD) + (["before", ""] if before else [])
-    width = list(WIDTH) + [9, 8]
-    lines = [line(head, width)]
-    for row in rows:
-        words = cells(row.name, after[row.name])
-        if before and row.name in before:
-            now, then = (figures.figure(runs[row.name], "ate_mm") for runs in (after, before))
-            words += [number(then.median, 2), MARK[figures.verdict(now, then)]]
-        lines.append(line(words, width))
+    out = _text(*body(rows, after, before), WIDTH + WIDTH_BEFORE)
+    if any(row.part == "mode" for row in rows):
+        out += ["", *_text(*modes(rows, after), WIDTH_RATIO)]
     if before:
-        lines += ["", "after / before, geometric mean of medians (95 % band over recordings)"]
-        lines.append(line(["", *(title for title, _, _ in COMPARED)], (12, 22, 22, 22, 22, 22)))
-        for title, members in groups(rows):
-            found = [figures.compare(members, after, before, *what) for _, *what in COMPARED]
-            lines.append(line([title, *map(change, found)], (12, 22, 22, 22, 22, 22)))
-    return "\n".join(lines)
+        out += ["", "after / before: geometric mean of medians, 95 % band over recordings",
+                *_text(*compared(rows, after, before), WIDTH_RATIO)]
+    return "\n".join(out)
