@@ -173,7 +173,7 @@ consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 s
 
 # Recordings are found by PIRVS_DATA and EVAL_HYBRID, or drawn once into EVAL_DATA
 # (docs/evaluation.md). BASE: build/eval of another revision, or another program.
-eval: $(OUT)/pirvs ## a set to judge by: FAST=1 fewer runs, BASE=DIR compared with that result
+eval: $(OUT)/pirvs ## a set to judge by: FAST=1 some rows once, BASE=DIR against that result
 	@tools/judge/judge --pirvs $(OUT)/pirvs --out $(BUILD)/eval $(if $(FAST),--fast) \
 	  $(if $(BASE),--base $(BASE)) $(ARGS)
 

@@ -34,7 +34,7 @@ def summary(ate_m, tracked=90, lost=0, status="tracked"):
     evaluation = None
     if ate_m is not None:
         evaluation = {"ate_rmse_m": ate_m, "rpe_m": 0.004, "rpe_deg": None, "tilt_at_end_deg": 0.5}
-    return {"status": status, "evaluation": evaluation, "nees": None,
+    return {"status": status, "revision": "abc", "evaluation": evaluation, "nees": None,
             "frames": {"in": 100, "tracked": tracked, "lost": lost, "dropped": 0,
                        "before_start": 100 - tracked - lost},
             "timing_ms": {"end_to_end_ms": {"mean": 2.5}},
@@ -180,7 +180,7 @@ class RunsTest(unittest.TestCase):
         runs.execute_all(self.jobs(), 2, lambda *words: None)
         runs.execute_all(self.jobs(), 2, lambda *words: None)
         self.assertEqual(self.count(), 6)
-        self.assertEqual(len(runs.results(self.jobs())["a"]), 3)
+        self.assertEqual(len(runs.results(self.jobs())["rows"]["a"]), 3)
         runs.execute_all(self.jobs(status=1), 2, lambda *words: None)  # another program
         self.assertEqual(self.count(), 12)
         self.assertFalse((self.at / "out/runs/a/0/state.csv").exists())

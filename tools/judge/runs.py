@@ -76,8 +76,11 @@ def execute_all(all_jobs, parallel, say):
             left = passed / done * (len(todo) - done)
             say(f"running {done}/{len(todo)} {job.row.name}: {passed:.0f} s, {left:.0f} s left")
 
-    with concurrent.futures.ThreadPoolExecutor(parallel) as pool:
+    pool = concurrent.futures.ThreadPoolExecutor(parallel)
+    try:
         list(pool.map(one, [job for job in todo if not job.alone]))
+    finally:
+        pool.shutdown(cancel_futures=True)
     for job in todo:
         if job.alone:
             one(job)
@@ -87,9 +90,10 @@ def execute_all(all_jobs, parallel, say):
 
 
 def results(all_jobs):
-    """{row: [figures of each run]}, in the order of the table."""
-    out = {}
+    """{row: [figures of each run]}, in the order of the table, and the program's revision."""
+    out, revision = {}, "unknown"
     for job in all_jobs:
         summary = json.loads((job.out / "summary.json").read_text())
         out.setdefault(job.row.name, []).append(figures.of_run(summary))
-    return out
+        revision = summary["revision"]
+    return {"revision": revision, "rows": out}
