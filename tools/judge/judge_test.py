@@ -229,8 +229,10 @@ class JudgeTest(unittest.TestCase):
             importlib.util.spec_from_loader("judge", loader))
         loader.exec_module(judge)
         rows = recordings.read_table(TABLE)
-        self.assertEqual([row.name for row in judge.chosen(rows, "fly,cl")],
-                         [row.name for row in rows])
+        self.assertEqual([row.name for row in judge.chosen(rows, "two,clip")],
+                         ["clip@0", "clip@0.5", "fly.two"])
+        with self.assertRaises(recordings.TableError):
+            judge.chosen(rows, "flies")
         with tempfile.TemporaryDirectory() as folder, io.StringIO() as said:
             with contextlib.redirect_stdout(said):
                 left, _ = judge.found(rows, recordings.Places({"PIRVS_DATA": folder}))
