@@ -5,7 +5,9 @@ import math
 
 FAILED = math.inf  # the error of a run without an evaluation: worse than any other
 
-Figure = collections.namedtuple("Figure", "median low high")
+RUNS_OF_A_RANGE = 3  # with fewer, a range says nothing
+
+Figure = collections.namedtuple("Figure", "median low high runs")
 # change: of the medians, after / before. low, high: its 95 % band over the recordings.
 Ratio = collections.namedtuple("Ratio", "change low high recordings")
 
@@ -58,7 +60,9 @@ def median(values):
 def figure(runs, name):
     """Median and range over runs that have it; None: no run has."""
     values = [run[name] for run in runs if run.get(name) is not None]
-    return Figure(median(values), min(values), max(values)) if values else None
+    if not values:
+        return None
+    return Figure(median(values), min(values), max(values), len(values))
 
 
 def total(runs, name):
@@ -75,8 +79,8 @@ def ratio(after, before):
 
 
 def verdict(after, before):
-    """+1 better, -1 worse: the ranges do not touch. 0 otherwise."""
-    if after is None or before is None:
+    """+1 better, -1 worse: the ranges do not touch. 0 otherwise, and of too few runs."""
+    if after is None or before is None or min(after.runs, before.runs) < RUNS_OF_A_RANGE:
         return 0
     return (after.high < before.low) - (after.low > before.high)
 

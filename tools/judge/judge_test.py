@@ -55,7 +55,8 @@ class FiguresTest(unittest.TestCase):
         self.assertEqual((run["adjustments_failed"], run["nees_position"]), (1, None))
 
     def test_a_run_without_evaluation_is_the_worst(self):
-        self.assertEqual(figures.figure(measured(0.001, None, 0.003), "ate_mm"), (3, 1, math.inf))
+        some = measured(0.001, None, 0.003)
+        self.assertEqual(figures.figure(some, "ate_mm"), (3, 1, math.inf, 3))
         self.assertEqual(figures.figure(measured(None, None, 0.003), "ate_mm").median, math.inf)
         self.assertEqual(figures.of_run(summary(None, tracked=0))["coverage"], 0)
 
@@ -72,11 +73,12 @@ class FiguresTest(unittest.TestCase):
             self.assertIsNone(figures.ratio(*pair))
 
     def test_verdict_needs_ranges_apart(self):
-        low, middle, high = (figures.Figure(m, m - 1, m + 1) for m in (2, 3, 6))
+        low, middle, high = (figures.Figure(m, m - 1, m + 1, 3) for m in (2, 3, 6))
         self.assertEqual(figures.verdict(low, high), 1)
         self.assertEqual(figures.verdict(high, low), -1)
         self.assertEqual(figures.verdict(low, middle), 0)
         self.assertEqual(figures.verdict(low, None), 0)
+        self.assertEqual(figures.verdict(low._replace(runs=2), high), 0)
 
     def test_rows_of_one_recording_weigh_as_one(self):
         found = figures.mean_ratio([("a", 2), ("a", 2), ("a", 2), ("b", 0.5), ("c", None)])

@@ -83,7 +83,7 @@ def bars(rows, after, before, plot):
             shown.append((row.name, now, then))
     if not shown:
         return ""
-    values = [v for _, now, then in shown for f in (now, then) if f for v in f]
+    values = [v for _, now, then in shown for f in (now, then) if f for v in (f.low, f.high)]
     px = scale_of(values, logarithmic)
     out = [f"<svg viewBox='0 0 {WIDTH + 70} {TOP + ROW * len(shown) + 6}'>",
            f"<text x=0 y=14 font-weight=600>{html.escape(title)}</text>"]
