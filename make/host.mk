@@ -181,6 +181,12 @@ consistency: $(OUT)/pirvs ## does the covariance contain the error? FLIGHTS=50 s
 	@tools/consistency/consistency --pirvs $(OUT)/pirvs --out $(BUILD)/consistency \
 	  --flights $(FLIGHTS) $(ARGS)
 
+# Recordings are found by PIRVS_DATA and EVAL_HYBRID, or drawn once into EVAL_DATA
+# (docs/evaluation.md). BASE: build/eval of another revision, or another program.
+eval: $(OUT)/pirvs ## a set to judge by: FAST=1 some rows once, BASE=DIR against that result
+	@tools/judge/judge --pirvs $(OUT)/pirvs --out $(BUILD)/eval $(if $(FAST),--fast) \
+	  $(if $(BASE),--base $(BASE)) $(ARGS)
+
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
 	@for board in $(BARE_BOARDS) $(LINUX_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
 	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \

@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 
 namespace pirvs::tools {
 namespace {
 
 constexpr size_t kPosesMin = 10;
 constexpr double kTruthGap_s = 0.2;        // no truth is made up inside a longer gap
+constexpr double kTiltAfter_s = 10;        // of the first pose: the start should be settled
 constexpr double kPairEarly_s = 1e-3;      // a pair may be this much shorter than delta
 constexpr double kPairTolerance_s = 0.06;  // a pair further from delta does not count
 
@@ -108,6 +110,21 @@ void relative_error(const std::vector<EvalPose>& matched, Evaluation& result) {
   result.rpe_deg = std::sqrt(sum_deg / n);
 }
 
+// Heading and place are free, gravity is not.
+void tilt_error(const std::vector<EvalPose>& matched, Evaluation& result) {
+  result.tilt_at_10_s_deg = std::numeric_limits<double>::quiet_NaN();
+  for (const EvalPose& pose : matched) {
+    const Vec3 up_B = rotation(pose.q_WB).row(2);
+    const Vec3 up_truth_B = rotation(pose.q_truth_WB).row(2);
+    const double sine = up_B.cross(up_truth_B).norm();
+    const double tilt_deg = std::atan2(sine, up_B.dot(up_truth_B)) * (180 / M_PI);
+    const bool is_due = pose.t_s - matched.front().t_s >= kTiltAfter_s;
+    if (is_due && std::isnan(result.tilt_at_10_s_deg)) result.tilt_at_10_s_deg = tilt_deg;
+    result.tilt_at_end_deg = tilt_deg;
+    result.tilt_max_deg = std::max(result.tilt_max_deg, tilt_deg);
+  }
+}
+
 }  // namespace
 
 Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth, double delta_s) {
@@ -130,6 +147,7 @@ Evaluation evaluate(const Trajectory& estimate, const Trajectory& truth, double 
   }
   result.duration_s = result.matched.back().t_s - result.matched.front().t_s;
   relative_error(result.matched, result);
+  tilt_error(result.matched, result);
   align(result);
   absolute_error(result);
   return result;

@@ -1,7 +1,9 @@
-// What    How far an estimated trajectory is from ground truth: ATE and RPE.
+// What    How far an estimated trajectory is from ground truth: ATE, RPE and tilt.
 // In      Two trajectories of the same body B, any two world frames; delta_s of the RPE.
 // Out     ATE: translation error after the best rigid alignment (no scale). RPE: drift over
-//         delta_s, in the body frame. And each matched pose, aligned, for plots.
+//         delta_s, in the body frame. Tilt: angle between the two directions of gravity in the
+//         body frame, not aligned; it says something only where z is up in both worlds. And each
+//         matched pose, aligned, for plots.
 // Frames  E: world of the estimate. W: world of the truth. R_WE, p_WE: the alignment.
 // Units   m, deg, s.
 // Errors  fewer than 10 poses inside the truth's time: ok = false, and poses tells how many.
@@ -37,6 +39,9 @@ struct Evaluation {
   size_t rpe_pairs = 0;
   double rpe_m = 0;
   double rpe_deg = 0;
+  double tilt_at_10_s_deg = 0;  // 10 s after the first pose; NaN: not so long
+  double tilt_at_end_deg = 0;
+  double tilt_max_deg = 0;
   Mat3 R_WE = Mat3::Identity();
   Vec3 p_WE = Vec3::Zero();
   std::vector<EvalPose> matched;

@@ -41,6 +41,24 @@ TEST(eval, rigid_motion_of_the_truth_has_no_error) {
   EXPECT_LT((result.p_WE + q_EW.conjugate() * p_EW).norm(), 1e-9);
 }
 
+TEST(eval, tilt_is_what_heading_does_not_explain) {
+  const Trajectory truth = read_trajectory(kTruth);
+  Trajectory turned = truth;
+  const Eigen::Quaterniond heading(Eigen::AngleAxisd(2.1, Vec3::UnitZ()));
+  for (TrajectoryPose& pose : turned.poses) {
+    const bool late = pose.t_s - truth.poses.front().t_s > 8;
+    const Eigen::Quaterniond tilt(Eigen::AngleAxisd(late ? 0.02 : 0.05, Vec3::UnitX()));
+    pose.q_WB = (tilt * heading * Eigen::Quaterniond(pose.q_WB)).coeffs();
+  }
+  const Evaluation result = evaluate(turned, truth, 1.0);
+  ASSERT_TRUE(result.ok);
+  EXPECT_NEAR(result.tilt_at_10_s_deg, 0.02 * 180 / M_PI, 1e-6);
+  EXPECT_NEAR(result.tilt_at_end_deg, 0.02 * 180 / M_PI, 1e-6);
+  EXPECT_NEAR(result.tilt_max_deg, 0.05 * 180 / M_PI, 1e-6);
+  turned.poses.erase(turned.poses.begin() + long(turned.poses.size() / 3), turned.poses.end());
+  EXPECT_TRUE(std::isnan(evaluate(turned, truth, 1.0).tilt_at_10_s_deg)) << "too short";
+}
+
 TEST(eval, a_mirrored_world_is_not_aligned_by_a_mirror) {
   const Trajectory truth = read_trajectory(kTruth);
   Trajectory mirrored = truth;

@@ -27,6 +27,8 @@ bool truth_at(const Trajectory& truth, double t_s, TrajectoryPose& out) {
   out.p_WB = a.p_WB * (1 - s) + b.p_WB * s;
   out.q_WB = (a.q_WB * (1 - s) + b.q_WB * (sign * s)).normalized();
   out.v_WB = a.v_WB * (1 - s) + b.v_WB * s;
+  out.b_g = a.b_g * (1 - s) + b.b_g * s;
+  out.b_a = a.b_a * (1 - s) + b.b_a * s;
   return true;
 }
 
@@ -46,7 +48,7 @@ Nees evaluate_nees(const std::vector<StateEstimate>& estimates, const Trajectory
   if (!truth.full_state || !truth_at(truth, first.t_s, at)) return out;
   const Mat3 R_EW = heading(rotation_from_quat_xyzw(first.q_WB), rotation_from_quat_xyzw(at.q_WB));
   const Vec3 p_EW = first.p_WB - R_EW * at.p_WB;
-  constexpr int kBlock[kNeesParts] = {3, 0, 6};  // of p, theta, v in the covariance
+  constexpr int kBlock[kNeesParts] = {3, 0, 6, 9, 12};  // in the covariance
   for (const StateEstimate& estimate : estimates) {
     if (!truth_at(truth, estimate.state.t_s, at)) continue;
     NeesFrame frame;
@@ -56,6 +58,8 @@ Nees evaluate_nees(const std::vector<StateEstimate>& estimates, const Trajectory
     frame.error[kNeesPosition] = R_EW * at.p_WB + p_EW - estimate.state.p_WB;
     frame.error[kNeesAttitude] = so3_log(R_EB.transpose() * R_EB_truth);
     frame.error[kNeesVelocity] = R_EW * at.v_WB - estimate.state.v_WB;
+    frame.error[kNeesGyroBias] = at.b_g - estimate.state.b_g;
+    frame.error[kNeesAccelBias] = at.b_a - estimate.state.b_a;
     for (int part = 0; part < kNeesParts; ++part) {
       const Mat3 P = estimate.cov.block<3, 3>(kBlock[part], kBlock[part]);
       const Vec3& e = frame.error[part];

@@ -32,6 +32,8 @@ struct World {
       pose.p_WB = Vec3(s, 0.3 * s * s, 0.1);
       pose.v_WB = Vec3(1, 0.6 * s, 0);
       pose.q_WB = quat_xyzw(so3_exp(Vec3(0.2, 0.1 * s, -0.3 * s)));
+      pose.b_g = Vec3(0.01, -0.02, 0.03 * s);
+      pose.b_a = Vec3(0.1 * s, 0.2, -0.1);
       truth.poses.push_back(pose);
     }
   }
@@ -51,18 +53,20 @@ std::vector<StateEstimate> noisy(const World& world, double scale) {
   for (size_t i = 40; i <= 400; i += 2) {
     StateEstimate estimate;
     estimate.state = world.in_E(world.truth.poses[i]);
-    Eigen::Matrix<double, 9, 9> L = Eigen::Matrix<double, 9, 9>::Zero();
-    for (int r = 0; r < 9; ++r) {
+    Mat15 L = Mat15::Zero();
+    for (int r = 0; r < 15; ++r) {
       for (int c = 0; c <= r; ++c) L(r, c) = r == c ? 0.02 : 0.01 * random.uniform(-1, 1);
     }
     estimate.cov = L * L.transpose();
-    Vec9 unit;
-    unit << normal(random), normal(random), normal(random);
-    const Vec9 e = scale * (L * unit);
+    Vec15 unit;
+    unit << normal(random), normal(random), normal(random), normal(random), normal(random);
+    const Vec15 e = scale * (L * unit);
     const Mat3 R_EB = rotation_from_quat_xyzw(estimate.state.q_WB);
     estimate.state.q_WB = quat_xyzw(R_EB * so3_exp(Vec3(-e.segment<3>(0))));
     estimate.state.p_WB -= e.segment<3>(3);
     estimate.state.v_WB -= e.segment<3>(6);
+    estimate.state.b_g -= e.segment<3>(9);
+    estimate.state.b_a -= e.segment<3>(12);
     out.push_back(estimate);
   }
   return out;
@@ -93,7 +97,7 @@ TEST(nees, place_and_heading_are_forgiven_and_tilt_is_not) {
   const World world;
   std::vector<StateEstimate> exact;
   for (const TrajectoryPose& pose : world.truth.poses) {
-    exact.push_back({world.in_E(pose), Mat9::Identity() * 1e-4});
+    exact.push_back({world.in_E(pose), Mat15::Identity() * 1e-4});
   }
   const Nees good = evaluate_nees(exact, exact.front().state, world.truth);
   ASSERT_TRUE(good.ok);

@@ -38,10 +38,18 @@ Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nul
 
 Json evaluation_json(const Evaluation& e) {
   if (!e.ok) return nullptr;
-  return {
-      {"poses", e.poses},           {"duration_s", e.duration_s}, {"path_m", e.path_m},
-      {"ate_rmse_m", e.ate_rmse_m}, {"ate_std_m", e.ate_std_m},   {"ate_max_m", e.ate_max_m},
-      {"rpe_delta_s", e.delta_s},   {"rpe_m", number(e.rpe_m)},   {"rpe_deg", number(e.rpe_deg)}};
+  return {{"poses", e.poses},
+          {"duration_s", e.duration_s},
+          {"path_m", e.path_m},
+          {"ate_rmse_m", e.ate_rmse_m},
+          {"ate_std_m", e.ate_std_m},
+          {"ate_max_m", e.ate_max_m},
+          {"rpe_delta_s", e.delta_s},
+          {"rpe_m", number(e.rpe_m)},
+          {"rpe_deg", number(e.rpe_deg)},
+          {"tilt_at_10_s_deg", number(e.tilt_at_10_s_deg)},
+          {"tilt_at_end_deg", e.tilt_at_end_deg},
+          {"tilt_max_deg", e.tilt_max_deg}};
 }
 
 Json nees_json(const Nees& nees) {

@@ -133,7 +133,7 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
     if (!frame.has_pose) continue;
     const TrajectoryPose pose = trajectory_pose(frame.t, frame.pose.state);
     result.trajectory.poses.push_back(pose);
-    estimates.push_back({pose, Mat9(frame.pose.cov.topLeftCorner<9, 9>())});
+    estimates.push_back({pose, frame.pose.cov});
   }
   if (!result.trajectory.poses.empty() && recording.truth.poses.size() > 1) {
     result.evaluation = evaluate(result.trajectory, recording.truth, kDelta_s);

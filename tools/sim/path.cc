@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/sim/random.h"
+#include "tools/sim/wave.h"
 
 namespace pirvs::tools {
 namespace {
@@ -31,21 +31,6 @@ double basis(int i, double u, int derivative) {
 }
 
 Eigen::Quaterniond quaternion(const Vec4& q) { return {q[3], q[0], q[1], q[2]}; }
-
-// Two waves of random phase: never the same place twice, never far from the middle.
-struct Wave {
-  double amplitude, period_s, phase, second, second_phase;
-  double at(double t_s) const {
-    const double w = 2 * M_PI / period_s;
-    return amplitude *
-           (std::sin(w * t_s + phase) + second * std::sin(2.37 * w * t_s + second_phase));
-  }
-};
-
-Wave random_wave(Random& random, double amplitude, double period_s, double second) {
-  return {amplitude, period_s * random.uniform(0.85, 1.15), random.uniform(0, 2 * M_PI), second,
-          random.uniform(0, 2 * M_PI)};
-}
 
 }  // namespace
 
@@ -129,6 +114,18 @@ Path Path::along(const Trajectory& trajectory, double duration_s) {
     const double s = std::clamp((t_s - a.t_s) / (b.t_s - a.t_s), 0.0, 1.0);
     const Eigen::Quaterniond q = quaternion(a.q_WB).slerp(s, quaternion(b.q_WB));
     path.append(a.p_WB * (1 - s) + b.p_WB * s, q.coeffs());
+  }
+  return path;
+}
+
+Path Path::through(double duration_s, double spacing_s, const std::function<SE3(double)>& T_WB_at) {
+  Path path;
+  path.duration_s_ = duration_s;
+  path.spacing_s_ = spacing_s;
+  const int count = int(std::ceil(duration_s / spacing_s)) + kSupport;
+  for (int k = 0; k < count; ++k) {
+    const SE3 T_WB = T_WB_at(std::max(0.0, (k - kLead) * spacing_s));
+    path.append(T_WB.p, Eigen::Quaterniond(T_WB.R).normalized().coeffs());
   }
   return path;
 }

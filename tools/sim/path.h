@@ -1,7 +1,7 @@
 // What    A smooth path through the world: pose, velocity, acceleration and turn rate at any time.
 // In      A seed (a flight through a hall of about 12 x 9 m, at rest first); a constant velocity
-//         and turn rate, at rest first; or a recorded trajectory, which is followed closely, not
-//         exactly: the spline is the truth.
+//         and turn rate, at rest first; a recorded trajectory or a function of time, which are
+//         followed closely, not exactly: the spline is the truth.
 // Out     State at t_s in [0, duration_s]. The position and the quaternion (before it is
 //         normalized) are uniform B-splines of degree 5: four times continuously differentiable.
 // Frames  W: z up. B: IMU. R_LB: from B to the look frame L (x forward, y left, z up), so that a
@@ -13,9 +13,10 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-#include "core/math/types.h"
+#include "core/math/se3.h"
 #include "tools/dataset/trajectory.h"
 
 namespace pirvs::tools {
@@ -40,6 +41,9 @@ class Path {
   static Path flight(uint64_t seed, double rest_s, double duration_s, const Mat3& R_LB);
   static Path steady(const SteadyMotion& motion, double duration_s, const Mat3& R_LB);
   static Path along(const Trajectory& trajectory, double duration_s);  // 0: all of it
+  // T_WB_at is asked for instants a spacing apart, in order, none below zero.
+  static Path through(double duration_s, double spacing_s,
+                      const std::function<SE3(double)>& T_WB_at);
 
   double duration_s() const { return duration_s_; }
   PathState at(double t_s) const;

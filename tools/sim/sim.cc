@@ -13,6 +13,7 @@
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapping_params.h"
 #include "tools/dataset/input_error.h"
+#include "tools/sim/motion.h"
 #include "tools/sim/random.h"
 #include "tools/sim/render.h"
 
@@ -83,12 +84,16 @@ Device make_device(const SimOptions& options) {
 
 Path make_path(const SimOptions& options, const Device& device) {
   if (options.path == "steady") {
-    SteadyMotion motion;
-    motion.rest_s = options.rest_s;
-    motion.ramp_s = options.ramp_s;
-    motion.v_L = Vec3(options.forward_m_s, options.left_m_s, 0);
-    motion.turn_rad_s = options.turn_deg_s * M_PI / 180;
-    return Path::steady(motion, options.duration_s, device.R_LB);
+    SteadyMotion steady;
+    steady.rest_s = options.rest_s;
+    steady.ramp_s = options.ramp_s;
+    steady.v_L = Vec3(options.forward_m_s, options.left_m_s, 0);
+    steady.turn_rad_s = options.turn_deg_s * M_PI / 180;
+    return Path::steady(steady, options.duration_s, device.R_LB);
+  }
+  Motion motion = Motion::kHover;
+  if (find_motion(options.path, motion)) {
+    return make_motion(motion, options.seed, options.rest_s, options.duration_s, device.R_LB);
   }
   if (options.path != "spline" && options.path != "rest") {
     return Path::along(read_trajectory(options.path), options.duration_s);

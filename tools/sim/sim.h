@@ -19,7 +19,8 @@ namespace pirvs::tools {
 struct SimOptions {
   std::string out;
   std::string device = "euroc";
-  std::string path = "spline";  // rest, steady, or the file of a recorded trajectory to follow
+  // rest, steady, a motion (motion.h), or the file of a recorded trajectory to follow
+  std::string path = "spline";
   double forward_m_s = 0, left_m_s = 0.3, turn_deg_s = 0;  // of a steady path
   double ramp_s = 1;                                       // and from rest to that
   double duration_s = 20;

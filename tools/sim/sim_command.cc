@@ -19,14 +19,15 @@ void declare_world(CLI::App& app, SimOptions& o) {
          "fisheye; t265: 848x800 30 Hz fisheye; oakd: 1280x800 30 Hz pinhole")
       ->capture_default_str();
   app.add_option("--path", o.path,
-                 "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity) or a "
-                 "ground-truth file (ASL csv, TUM)")
+                 "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity), "
+                 "'hover', 'loop' (the same places again), 'handheld' (steps and shakes), "
+                 "'vehicle' (on a floor, stops) or a ground-truth file (ASL csv, TUM)")
       ->capture_default_str();
   app.add_option("--duration", o.duration_s,
                  "length of the recording, s; with a ground-truth file: at most")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
-  app.add_option("--rest", o.rest_s, "standstill before a spline or steady flight, s")
+  app.add_option("--rest", o.rest_s, "standstill before the motion, s")
       ->capture_default_str()
       ->check(CLI::NonNegativeNumber);
   app.add_option("--rate", o.rate_hz, "camera frames per second (default: the device's)")

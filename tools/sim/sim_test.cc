@@ -15,6 +15,7 @@
 #include "modules/imu/gravity.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/player.h"
+#include "tools/sim/motion.h"
 #include "tools/sim/render.h"
 
 namespace pirvs::tools {
@@ -250,6 +251,67 @@ TEST(sim, imu_noise_has_the_density_asked_for) {
   const double root_rate = std::sqrt(200.0);
   EXPECT_NEAR(std::sqrt(gyro / double(imu.size())), 1e-3 * root_rate, 2e-4);
   EXPECT_NEAR(std::sqrt(accel / double(imu.size())), 2e-2 * root_rate, 4e-3);
+}
+
+// The largest of a quantity of the path from one instant to another.
+template <class Quantity>
+double largest(const Path& path, double from_s, double to_s, const Quantity& quantity) {
+  double out = 0;
+  for (double t_s = from_s; t_s < to_s; t_s += 0.01) out = std::max(out, quantity(path.at(t_s)));
+  return out;
+}
+
+TEST(sim, every_motion_rests_at_first_and_is_drawn_by_its_seed) {
+  for (const char* name : {"hover", "loop", "handheld", "vehicle"}) {
+    Motion motion = Motion::kHover;
+    ASSERT_TRUE(find_motion(name, motion));
+    const Path path = make_motion(motion, 3, 1, 10, Mat3::Identity());
+    const auto speed = [](const PathState& s) { return s.v_WB.norm() + s.w_B.norm(); };
+    EXPECT_LT(largest(path, 0, 1, speed), 1e-6) << name;
+    EXPECT_GT(largest(path, 2, 10, speed), 0.1) << name;
+    EXPECT_LT(largest(path, 0, 10, [](const PathState& s) { return s.a_WB.norm(); }), 6) << name;
+    const Path same = make_motion(motion, 3, 1, 10, Mat3::Identity());
+    const Path other = make_motion(motion, 4, 1, 10, Mat3::Identity());
+    EXPECT_EQ((path.at(7).p_WB - same.at(7).p_WB).norm(), 0) << name;
+    EXPECT_GT((path.at(7).p_WB - other.at(7).p_WB).norm(), 0.01) << name;
+  }
+  Motion motion = Motion::kHover;
+  EXPECT_FALSE(find_motion("swim", motion));
+}
+
+TEST(sim, a_hover_stays_and_a_loop_comes_back) {
+  const Path hover = make_motion(Motion::kHover, 1, 1, 30, Mat3::Identity());
+  const Vec3 above_W = hover.at(5).p_WB;
+  EXPECT_LT(largest(hover, 5, 30, [&](const PathState& s) { return (s.p_WB - above_W).norm(); }),
+            0.5);
+  const Path loop = make_motion(Motion::kLoop, 1, 1, 30, Mat3::Identity());
+  const PathState first = loop.at(6);
+  double nearest_m = 1e9;
+  double turned_rad = 0;
+  for (double t_s = 16; t_s < 22; t_s += 0.02) {
+    const PathState again = loop.at(t_s);
+    const double distance_m = (again.p_WB - first.p_WB).norm();
+    if (distance_m > nearest_m) continue;
+    nearest_m = distance_m;
+    turned_rad = so3_log(first.R_WB.transpose() * again.R_WB).norm();
+  }
+  EXPECT_LT(nearest_m, 0.05);
+  EXPECT_LT(turned_rad, 0.5);
+  EXPECT_GT(largest(loop, 6, 19, [&](const PathState& s) { return (s.p_WB - first.p_WB).norm(); }),
+            4);
+}
+
+TEST(sim, a_vehicle_goes_ahead_alone_and_stops_and_hands_shake) {
+  const Path vehicle = make_motion(Motion::kVehicle, 1, 1, 30, Mat3::Identity());
+  const auto aside = [](const PathState& s) { return std::abs((s.R_WB.transpose() * s.v_WB).y()); };
+  EXPECT_LT(largest(vehicle, 0, 30, aside), 0.05);
+  EXPECT_GT(largest(vehicle, 0, 30, [](const PathState& s) { return s.v_WB.norm(); }), 2.4);
+  EXPECT_LT(vehicle.at(1 + 13.6).v_WB.norm(), 0.02);
+  const Path carried = make_motion(Motion::kHandheld, 1, 1, 30, Mat3::Identity());
+  const double turn_rad_s =
+      largest(carried, 2, 30, [](const PathState& s) { return s.w_B.norm(); });
+  EXPECT_GT(turn_rad_s, 0.5);
+  EXPECT_LT(turn_rad_s, 3);
 }
 
 TEST(sim, a_recorded_path_is_followed_closely) {
