@@ -25,6 +25,9 @@ inline void store(int16_t* p, Int16x16 a) { _mm256_storeu_si256(reinterpret_cast
 inline Int16x16 add(Int16x16 a, Int16x16 b) { return _mm256_add_epi16(a, b); }
 inline Int16x16 subtract(Int16x16 a, Int16x16 b) { return _mm256_sub_epi16(a, b); }
 inline Int16x16 absolute(Int16x16 a) { return _mm256_abs_epi16(a); }
+inline Int16x16 smaller(Int16x16 a, Int16x16 b) { return _mm256_min_epi16(a, b); }
+inline Int16x16 larger(Int16x16 a, Int16x16 b) { return _mm256_max_epi16(a, b); }
+inline Int16x16 multiply(Int16x16 a, Int16x16 b) { return _mm256_mullo_epi16(a, b); }
 // a / 2^kBits, rounded to nearest, ties up. a + 2^(kBits - 1) must fit.
 template <int kBits>
 Int16x16 shift_right_rounded(Int16x16 a) {

@@ -7,17 +7,7 @@ namespace pirvs {
 namespace {
 
 using lk::kPixels;
-
-// Horizontal weights in 1/128: 0..255 * 128.
-int blend_row(const uint8_t* p, int wx) { return p[0] * (128 - wx) + p[1] * wx; }
-
-// grey * 32. The vertical blend is rounded at grey * 128, as vqrdmulh does, then brought to * 32.
-int16_t sample(const lk::Window& w, int column, int row) {
-  const uint8_t* p = w.first + static_cast<int64_t>(row) * w.stride + column;
-  const int upper = blend_row(p, w.wx), lower = blend_row(p + w.stride, w.wx);
-  const int blended = upper + ((2 * (lower - upper) * w.wy + 32768) >> 16);
-  return static_cast<int16_t>((blended + 2) >> 2);
-}
+using lk::sample;
 
 struct Reference {
   static lk::DifferenceSums difference(const lk::Window& window, const LkPatch& patch, int16_t* d) {
