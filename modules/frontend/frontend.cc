@@ -12,7 +12,9 @@ namespace {
 
 constexpr float kDetectMargin_px = 20.0f;     // what describe() reads around a point
 constexpr float kResidualAlways_grey = 4.0f;  // that a good track may have in the sharpest image
-constexpr float kFollowMargin_px = 10.0f;     // half a flow patch, its gradients and interpolation
+constexpr float kLookResidualAlways_grey = 6.0f;  // the same against its first look
+constexpr float kFollowMargin_px = 10.0f;  // half a flow patch, its gradients and interpolation
+constexpr float kLookRest_px = 1.5f;       // what flow over the coarse levels may leave over
 
 bool inside(const ImageView& image, float x, float y, float margin) {
   return x >= margin && y >= margin && x <= static_cast<float>(image.width - 1) - margin &&
@@ -62,6 +64,7 @@ void Frontend::reset() {
   free_slots_.clear();
   for (int slot = kTracksMax; slot-- > 0;) (void)free_slots_.push_back(static_cast<uint16_t>(slot));
   for (uint8_t& wait : bin_wait_) wait = 0;
+  residual_usual_ = 0;
 }
 
 void Frontend::predict(const Mat3& R_C1C0) {
@@ -115,6 +118,7 @@ void Frontend::drop_misfits(const FixedVector<float, kTracksMax>& residuals) {
   FixedVector<float, kTracksMax> sorted = residuals;
   float* const middle = sorted.begin() + sorted.size() / 2;
   std::nth_element(sorted.begin(), middle, sorted.end());
+  residual_usual_ = *middle;
   const float limit = std::max(kResidualAlways_grey, params_.lk_residual_ratio_max * *middle);
   for (size_t i = tracks_.size(); i-- > 0;) {
     if (residuals[i] <= limit) continue;
@@ -133,51 +137,84 @@ void Frontend::erase(size_t i) {
   tracks_.erase_unordered(i);
 }
 
+// First against the track's first look, which does not drift, from where it is expected and then
+// from where flow over the pyramid leads; only where it does not fit any more, against the previous
+// image, and the track gets a new first look.
 bool Frontend::follow_one(Track& track, float& residual, TrackLoss& why) {
-  const PyramidStore& from = pyramid_[current_ ^ 1];
   const PyramidStore& to = pyramid_[current_];
-  const int iterations = static_cast<int>(params_.lk_iterations_max);
   float x = track.x_pred, y = track.y_pred;
   why = TrackLoss::kLeftImage;
   if (!inside(to.level(0), x, y, 0)) return false;
-  LkPatch patch;
-  for (int l = to.levels() - 1; l >= 0; --l) {
-    const float scale = 1.0f / static_cast<float>(1 << l);
-    // A coarse patch that leaves the image says nothing; only the finest must succeed.
-    if (!lk_extract(from.level(l), track.x * scale, track.y * scale, patch) || !patch.usable) {
-      if (l == 0) return false;
-      continue;
+  bool by_look = follow_look(track, params_.look_shift_px_max, x, y, residual);
+  if (!by_look) {
+    for (int l = to.levels() - 1; l > 0; --l) {
+      (void)follow_level(track, l, x, y, residual, why);  // only the finest must succeed
     }
-    float xl = x * scale, yl = y * scale;
-    const float step = l == 0 ? params_.lk_step_px_min : 2 * params_.lk_step_px_min;
-    if (lk_align(to.level(l), patch, xl, yl, iterations, step, residual)) {
-      x = xl / scale;
-      y = yl / scale;
-    } else if (l == 0) {
-      why = TrackLoss::kFlow;
-      return false;
-    }
+    by_look = follow_look(track, kLookRest_px, x, y, residual);
   }
-  if (!inside(to.level(0), x, y, kFollowMargin_px)) return false;
-  why = TrackLoss::kResidual;
-  if (residual > params_.lk_residual_grey_max) return false;
-
-  why = TrackLoss::kReturn;
-  float back_x = track.x, back_y = track.y, back_residual = 0;
-  if (!lk_extract(to.level(0), x, y, patch) || !patch.usable) return false;
-  if (!lk_align(from.level(0), patch, back_x, back_y, 3, params_.lk_step_px_min, back_residual)) {
-    return false;
-  }
-  if (squared_distance(track, back_x, back_y) >
-      params_.lk_return_px_max * params_.lk_return_px_max) {
-    return false;
+  if (!by_look) {
+    why = TrackLoss::kLeftImage;
+    if (!follow_level(track, 0, x, y, residual, why)) return false;
+    if (!inside(to.level(0), x, y, kFollowMargin_px)) return false;
+    why = TrackLoss::kResidual;
+    if (residual > params_.lk_residual_grey_max) return false;
+    why = TrackLoss::kReturn;
+    if (!returns(track, x, y)) return false;
   }
   track.x_last = track.x;
   track.y_last = track.y;
   track.x = x;
   track.y = y;
   if (track.age < UINT16_MAX) ++track.age;
+  if (!by_look) looks_.begin(track, to.level(0));
   return true;
+}
+
+bool Frontend::follow_look(const Track& track, float shift_px_max, float& x, float& y,
+                           float& residual) {
+  const ImageView& image = pyramid_[current_].level(0);
+  float x_found = x, y_found = y;
+  const FirstLooks::Limits limits{
+      shift_px_max,
+      std::min(
+          params_.lk_residual_grey_max,
+          std::max(kLookResidualAlways_grey, params_.look_residual_ratio_max * residual_usual_)),
+      static_cast<int>(params_.lk_iterations_max), params_.lk_step_px_min};
+  if (!looks_.follow(track, image, limits, x_found, y_found, residual)) return false;
+  if (!inside(image, x_found, y_found, kFollowMargin_px)) return false;
+  x = x_found;
+  y = y_found;
+  return true;
+}
+
+// Flow from the previous image over one level of the pyramid, in pixels of the finest.
+bool Frontend::follow_level(const Track& track, int level, float& x, float& y, float& residual,
+                            TrackLoss& why) const {
+  const float scale = 1.0f / static_cast<float>(1 << level);
+  LkPatch patch;
+  const ImageView& from = pyramid_[current_ ^ 1].level(level);
+  if (!lk_extract(from, track.x * scale, track.y * scale, patch) || !patch.usable) return false;
+  why = TrackLoss::kFlow;
+  float xl = x * scale, yl = y * scale;
+  const float step = level == 0 ? params_.lk_step_px_min : 2 * params_.lk_step_px_min;
+  if (!lk_align(pyramid_[current_].level(level), patch, xl, yl,
+                static_cast<int>(params_.lk_iterations_max), step, residual)) {
+    return false;
+  }
+  x = xl / scale;
+  y = yl / scale;
+  return true;
+}
+
+// Flow back from x, y ends where the track was.
+bool Frontend::returns(const Track& track, float x, float y) const {
+  LkPatch patch;
+  float back_x = track.x, back_y = track.y, residual = 0;
+  return lk_extract(pyramid_[current_].level(0), x, y, patch) && patch.usable &&
+         lk_align(pyramid_[current_ ^ 1].level(0), patch, back_x, back_y, 3, params_.lk_step_px_min,
+                  residual) &&
+         squared_distance(track, back_x, back_y) <=
+             params_.lk_return_px_max * params_.lk_return_px_max;
 }
 
 // Of two tracks that have run together the older one stays.
@@ -267,6 +304,7 @@ TrackId Frontend::start_track(float x, float y, const Descriptor* descriptor) {
     track->descriptor = *descriptor;
     track->described = true;
   }
+  looks_.begin(*track, pyramid_[current_].level(0));
   return track->id;
 }
 

@@ -6,37 +6,21 @@
 // Errors  kBadData: image of another size, or not newer than the last; nothing changes.
 // Cost    ~0.9 ms a 752 x 480 image on x86-64 (make bench K=frontend).
 // Source  PIRVS paper, section IV.A; Baker, Matthews, IJCV 2004, section 3.2 (flow);
-//         Shi, Tomasi, CVPR 1994 (corners).
+//         Shi, Tomasi, CVPR 1994 (corners, and the first look: docs/adr/0016).
 #pragma once
 
 #include "core/base/counter.h"
-#include "core/base/limits.h"
 #include "core/base/status.h"
 #include "core/base/time.h"
 #include "core/camera/camera.h"
-#include "core/kernels/describe/describe.h"
 #include "core/kernels/image.h"
 #include "core/store/fixed_vector.h"
+#include "modules/frontend/first_look.h"
 #include "modules/frontend/frontend_params.h"
 #include "modules/frontend/pyramid_store.h"
+#include "modules/frontend/track.h"
 
 namespace pirvs {
-
-using TrackId = uint32_t;  // 0: none
-
-struct Track {
-  TrackId id = 0;
-  uint16_t slot = 0;             // below kTracksMax, its own while it lives: see track_table.h
-  float x = 0, y = 0;            // where it is now
-  float x_last = 0, y_last = 0;  // where it was in the previous image
-  float x_pred = 0, y_pred = 0;  // where it is expected in the next image
-  uint16_t age = 0;              // images since it was detected
-  bool described = false;
-  Descriptor descriptor{};
-};
-
-inline constexpr int kTracksMax = 256;
-using Tracks = FixedVector<Track, kTracksMax>;
 
 enum class TrackLoss : uint8_t { kLeftImage, kFlow, kResidual, kReturn, kSpacing, kCount };
 const char* name(TrackLoss loss);
@@ -80,6 +64,10 @@ class Frontend {
  private:
   void follow();
   bool follow_one(Track& track, float& residual, TrackLoss& why);
+  bool follow_look(const Track& track, float shift_px_max, float& x, float& y, float& residual);
+  bool follow_level(const Track& track, int level, float& x, float& y, float& residual,
+                    TrackLoss& why) const;
+  bool returns(const Track& track, float x, float y) const;
   void drop_misfits(const FixedVector<float, kTracksMax>& residuals);
   void space_out();
   void detect(const Vec3& gravity_C);
@@ -94,6 +82,8 @@ class Frontend {
   TimeNs t_ = 0;
   TrackId next_id_ = 1;
   Tracks tracks_;
+  FirstLooks looks_;
+  float residual_usual_ = 0;                      // median over the tracks of the last image
   FixedVector<uint16_t, kTracksMax> free_slots_;  // of no track, the next one's last
   CounterArray<TrackLoss> losses_;
   DetectionGrid grid_;

@@ -20,6 +20,8 @@ struct FrontendParams {
   float lk_residual_grey_max = 18.0f;
   float lk_residual_ratio_max = 2.0f;
   float lk_return_px_max = 0.8f;
+  float look_shift_px_max = 3.0f;
+  float look_residual_ratio_max = 2.5f;
   float bin_wait_frames = 3.0f;
 };
 
@@ -46,6 +48,13 @@ inline constexpr ParamRow<FrontendParams> kFrontendRows[] = {
     {"lk_return_px_max", &FrontendParams::lk_return_px_max, 0.05f, 10, "px", Audience::kExpert,
      "forward-backward check: largest distance to where flow back to the previous image should "
      "end"},
+    {"look_shift_px_max", &FrontendParams::look_shift_px_max, 0, 20, "px", Audience::kExpert,
+     "how far from where it is expected a track is looked for by its first look alone, without the "
+     "pyramid"},
+    {"look_residual_ratio_max", &FrontendParams::look_residual_ratio_max, 0.5f, 100, "1",
+     Audience::kExpert,
+     "largest residual of a track against its first look, as a multiple of the median over the "
+     "last image's tracks; above it the track is followed from image to image"},
     {"bin_wait_frames", &FrontendParams::bin_wait_frames, 0, 30, count_of("frames"),
      Audience::kExpert, "frames for which a grid cell without a corner is not searched again"},
 };

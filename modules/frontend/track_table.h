@@ -5,7 +5,7 @@
 // Cost    O(1); sizeof is kTracksMax notes.
 #pragma once
 
-#include "modules/frontend/frontend.h"
+#include "modules/frontend/track.h"
 
 namespace pirvs {
 

@@ -10,6 +10,8 @@
 // Source  docs/health.md, "Standstill"; own.
 #pragma once
 
+#include "core/base/limits.h"
+#include "core/camera/camera.h"
 #include "modules/frontend/track_table.h"
 #include "modules/imu/imu_history.h"
 #include "modules/standstill/standstill_params.h"
