@@ -16,15 +16,9 @@ namespace pirvs {
 namespace {
 
 constexpr size_t kPointsPerStep = 128;  // ~0.3 ms of an A72
-// From here on a residual says only that the match or the point is wrong: its cost is constant, as
-// that of a point behind the camera.
+// From here on a residual says only that the match or the point is wrong: it is left out, and costs
+// as much as a point behind the camera.
 constexpr double kHopeless_sigma2 = 50.0 * 50.0;
-
-double dot(const double* a, const double* b, size_t n) {
-  double sum = 0;
-  for (size_t i = 0; i < n; ++i) sum += a[i] * b[i];
-  return sum;
-}
 
 }  // namespace
 
@@ -45,7 +39,9 @@ void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingPa
   errors_known_ = false;
   lambda_ = 1e-4;
   cost_ = std::numeric_limits<double>::infinity();
+  robust_.begin(params.robust_sigma);
   start_iteration();
+  phase_ = Phase::kMeasure;
 }
 
 int Bundle::add_frame(const BodyState& state, bool fixed) {
@@ -74,11 +70,6 @@ void Bundle::link(int from, int to, const Preintegration& motion) {
 void Bundle::set_prior(int frame, const WindowPrior& prior) {
   prior_frame_ = frame;
   prior_ = prior;
-}
-
-void Bundle::free_tilt(const Mat2& information) {
-  tilt_free_ = true;
-  tilt_known_ = information;
 }
 
 double Bundle::prior_cost(const BodyState& state) const {
@@ -116,6 +107,15 @@ void Bundle::start_iteration() {
 
 bool Bundle::step() {
   switch (phase_) {
+    case Phase::kMeasure: {
+      const size_t end = std::min(points_.size(), next_point_ + 2 * kPointsPerStep);
+      for (; next_point_ < end; ++next_point_) measure_point(points_[next_point_]);
+      if (next_point_ < points_.size()) return false;
+      robust_.settle();
+      next_point_ = 0;
+      phase_ = Phase::kLinearize;
+      return false;
+    }
     case Phase::kLinearize: {
       if (next_point_ == 0) start_iteration();
       const size_t end = std::min(points_.size(), next_point_ + kPointsPerStep);
@@ -149,10 +149,15 @@ bool Bundle::step() {
   return true;
 }
 
-double Bundle::robust_cost(double squares) const {
-  const double k = params_.huber_sigma;
-  squares = std::min(squares, kHopeless_sigma2);
-  return squares <= k * k ? squares : 2 * k * std::sqrt(squares) - k * k;
+// Takes the point's residuals before the first step, for how robust the cost has to be.
+void Bundle::measure_point(const Point& point) {
+  for (int o = point.first; o < point.first + point.count; ++o) {
+    const ObservedPixel& z = observations_[static_cast<size_t>(o)];
+    Vec2 uv;
+    const Frame& frame = frames_[static_cast<size_t>(z.frame)];
+    if (!camera_[z.camera].project(frame.T_CW[z.camera] * point.p_W, uv)) continue;
+    robust_.measure((Vec2(z.x, z.y) - uv).squaredNorm() / (params_.sigma_px * params_.sigma_px));
+  }
 }
 
 // Accumulates the point's own 3 x 3, and per free frame the 6 x 6, the 6 x 3 and the gradient.
@@ -172,16 +177,15 @@ void Bundle::linearize_point(Point& point) {
     Mat23 J_C;
     if (!camera_[z.camera].project(T_CW * point.p_W, uv, J_C)) {
       cost_trial_ +=
-          (frame.unknown < 0 ? params_.fixed_weight : 1.0) * robust_cost(kHopeless_sigma2);
+          (frame.unknown < 0 ? params_.fixed_weight : 1.0) * robust_.cost(kHopeless_sigma2);
       continue;
     }
     const Vec2 r = (Vec2(z.x, z.y) - uv) * inverse_sigma;
     const double squares = r.squaredNorm();
     const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
-    cost_trial_ += trust * robust_cost(squares);
+    cost_trial_ += trust * robust_.cost(squares);
     if (squares > kHopeless_sigma2) continue;
-    const double e = std::sqrt(squares);
-    const double weight = trust * (e > params_.huber_sigma ? params_.huber_sigma / e : 1.0);
+    const double weight = trust * robust_.weight(squares);
     const Mat23 J_point = J_C * T_CW.R * inverse_sigma;
     const Mat23 WJ_point = weight * J_point;
     H.noalias() += WJ_point.transpose() * J_point;
@@ -275,64 +279,6 @@ void Bundle::linearize_links() {
   }
 }
 
-// Reprojection errors do not change when all frames and points tilt as one: what the IMU links and
-// the prior say of that is all there is.
-void Bundle::linearize_tilt() {
-  std::fill(C_[0], C_[0] + unknowns_, 0.0);
-  std::fill(C_[1], C_[1] + unknowns_, 0.0);
-  D_ = tilt_known_;
-  const Vec2 so_far = so3_log(tilted_).head<2>();
-  g_tilt_ = -tilt_known_ * so_far;
-  cost_trial_ += so_far.dot(tilt_known_ * so_far);
-  using Mat15x2 = Eigen::Matrix<double, 15, 2>;
-  const auto add = [this](int at, const Mat15x2& block) {
-    for (int axis = 0; axis < 2; ++axis) Eigen::Map<Vec15>(C_[axis] + at) += block.col(axis);
-  };
-  for (const ImuLink& link : links_) {
-    const Frame& a = frames_[static_cast<size_t>(link.from)];
-    const Frame& b = frames_[static_cast<size_t>(link.to)];
-    Mat15 J_a, J_b;
-    link_jacobians(link, a.state, b.state, J_a, J_b);
-    const Mat15x2 J = J_a * rigid_motion(a.state, pivot_).leftCols<2>() +
-                      J_b * rigid_motion(b.state, pivot_).leftCols<2>();
-    Mat15x2 WJ;
-    for (int axis = 0; axis < 2; ++axis) WJ.col(axis) = weigh(link, Vec15(J.col(axis)));
-    if (a.unknown >= 0) add(a.unknown, J_a.transpose() * WJ);
-    add(b.unknown, J_b.transpose() * WJ);
-    D_ += J.transpose() * WJ;
-    g_tilt_ -= WJ.transpose() * link_residual(link, a.state, b.state);
-  }
-  if (prior_frame_ < 0) return;
-  const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
-  const Mat15x2 M = rigid_motion(frame.state, pivot_).leftCols<2>();
-  const Mat15x2 WM = prior_.information * M;
-  add(frame.unknown, WM);
-  D_ += M.transpose() * WM;
-  g_tilt_ +=
-      M.transpose() * (prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean));
-}
-
-// The tilt that goes with the step in delta_, which it corrects. The factors are those of S.
-Vec2 Bundle::solve_tilt(double lambda) {
-  const size_t n = static_cast<size_t>(unknowns_);
-  Mat2 K = D_;
-  K.diagonal() *= 1 + lambda;
-  Vec2 g = g_tilt_;
-  for (int i = 0; i < 2; ++i) {
-    std::copy(C_[i], C_[i] + n, X_[i]);
-    solve_factored(factors_, kUnknownsMax, X_[i], n);
-  }
-  for (int i = 0; i < 2; ++i) {
-    for (int j = 0; j < 2; ++j) K(i, j) -= dot(C_[i], X_[j], n);
-    g[i] -= dot(C_[i], delta_, n);
-  }
-  tilt_cov_ = K.inverse();
-  const Vec2 tilt = tilt_cov_ * g;
-  if (!tilt.allFinite()) return Vec2::Zero();
-  for (size_t i = 0; i < n; ++i) delta_[i] -= X_[0][i] * tilt[0] + X_[1][i] * tilt[1];
-  return tilt;
-}
-
 void Bundle::copy_system(double lambda) {
   const size_t n = static_cast<size_t>(unknowns_);
   for (size_t i = 0; i < n; ++i) {
@@ -394,11 +340,11 @@ double Bundle::cost_at(const Vec3& p_W, const Point& point) const {
     const double trust = frame.unknown < 0 ? params_.fixed_weight : 1.0;
     Vec2 uv;
     if (!camera_[z.camera].project(frame.T_CW[z.camera] * p_W, uv)) {
-      cost += trust * robust_cost(kHopeless_sigma2);
+      cost += trust * robust_.cost(kHopeless_sigma2);
       continue;
     }
     const Vec2 r = (Vec2(z.x, z.y) - uv) / params_.sigma_px;
-    cost += trust * robust_cost(r.squaredNorm());
+    cost += trust * robust_.cost(r.squaredNorm());
   }
   return cost;
 }

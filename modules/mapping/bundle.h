@@ -19,6 +19,7 @@
 #include "modules/map/map_error.h"
 #include "modules/mapping/imu_link.h"
 #include "modules/mapping/mapping_params.h"
+#include "modules/mapping/robust_cost.h"
 #include "modules/mapping/window_prior.h"
 
 namespace pirvs {
@@ -96,10 +97,11 @@ class Bundle {
     int unknown;
     Mat63 W;  // J_pose' J_point, weighted
   };
-  enum class Phase : uint8_t { kLinearize, kSolve, kEvaluate, kDone };
+  enum class Phase : uint8_t { kMeasure, kLinearize, kSolve, kEvaluate, kDone };
 
   void place_cameras(Frame& frame, const BodyState& state) const;
   void start_iteration();
+  void measure_point(const Point& point);
   void linearize_point(Point& point);
   void eliminate_point(const Point& point);
   void keep_oldest_vision();
@@ -111,7 +113,6 @@ class Bundle {
   double evaluate_point(Point& point) const;
   double evaluate_links() const;
   double prior_cost(const BodyState& state) const;
-  double robust_cost(double squares) const;
   void judge();
   void finish();
   void linearize_tilt();
@@ -126,6 +127,7 @@ class Bundle {
   FixedVector<ObservedPixel, kObservationsMax> observations_;
   FixedVector<Share, kSharesMax> shares_;
   FixedVector<ImuLink, kFreeMax + 1> links_;
+  RobustCost robust_;
   WindowPrior prior_;
   int prior_frame_ = -1;
   int unknowns_ = 0;

@@ -42,7 +42,7 @@ struct Problem {
       : random(seed), rig(model), fixed(fixed_frames) {
     params = MappingParams{};
     params.sigma_px = 0.6f;
-    params.huber_sigma = 1.5f;
+    params.robust_sigma = 1.5f;
     params.iterations_max = 20;
     noise.gyro_noise = 4e-4;
     noise.accel_noise = 2e-2;
@@ -160,11 +160,11 @@ class BruteForce {
 
   double cost() const {
     const Column r = residuals(Column::Zero(unknowns_));
-    const double k = p_.params.huber_sigma;
+    const RobustCost robust = robust_cost(r);
     double sum = 0;
     for (size_t i = 0; i < p_.sightings.size(); ++i) {
       const double e = std::min(kHopeless_sigma, r.segment<2>(static_cast<int>(2 * i)).norm());
-      sum += trust(i) * (e <= k ? e * e : 2 * k * e - k * k);
+      sum += trust(i) * robust.cost(e * e);
     }
     const Vec15 e = boxminus(p_.states[static_cast<size_t>(p_.fixed)], p_.prior.mean);
     return sum + r.tail(15 * static_cast<int>(links_.size())).squaredNorm() +
@@ -192,6 +192,16 @@ class BruteForce {
  private:
   double trust(size_t i) const {
     return p_.sightings[i].frame < p_.fixed ? p_.params.fixed_weight : 1.0;
+  }
+
+  RobustCost robust_cost(const Column& residuals) const {
+    RobustCost out;
+    out.begin(p_.params.robust_sigma);
+    for (size_t i = 0; i < p_.sightings.size(); ++i) {
+      out.measure(residuals.segment<2>(static_cast<int>(2 * i)).squaredNorm());
+    }
+    out.settle();
+    return out;
   }
 
   // Prediction minus measurement: points in sigmas, then links whitened.
@@ -233,12 +243,13 @@ class BruteForce {
       const Column e = h * Column::Unit(unknowns_, k);
       J.col(k) = (residuals(e) - residuals(-e)) / (2 * h);
     }
+    const RobustCost robust = robust_cost(r);
     Column weight = Column::Ones(r.size());
     for (size_t i = 0; i < p_.sightings.size(); ++i) {
       const int at = static_cast<int>(2 * i);
       const double e = r.segment<2>(at).norm();
-      const double robust = e > kHopeless_sigma ? 0.0 : std::min(1.0, p_.params.huber_sigma / e);
-      weight.segment<2>(at).setConstant(trust(i) * robust);
+      const double share = e > kHopeless_sigma ? 0.0 : robust.weight(e * e);
+      weight.segment<2>(at).setConstant(trust(i) * share);
     }
     H = J.transpose() * weight.asDiagonal() * J;
     g = -J.transpose() * weight.asDiagonal() * r;
@@ -253,7 +264,8 @@ class BruteForce {
   std::vector<ImuLink> links_;
 };
 
-// Every Jacobian, weight and block of the elimination, against numbers: both models, huber active.
+// Every Jacobian, weight and block of the elimination, against numbers: both models, far residuals
+// weighed down.
 TEST(bundle, one_step_equals_dense_numeric_gauss_newton) {
   int kept = 0;
   for (const CameraModel model : {CameraModel::kPinholeRadtan, CameraModel::kKannalaBrandt}) {
@@ -395,7 +407,7 @@ TEST(bundle, a_free_tilt_levels_all_as_one) {
   for (uint32_t seed = 1; seed <= 5; ++seed) {
     Problem problem(seed, 3, 5, 80);
     problem.params.iterations_max = 30;
-    problem.params.huber_sigma = 1e3;
+    problem.params.robust_sigma = 1e3;
     const Mat3 R = problem.truth[3].T_WB.R;
     problem.prior.information.topLeftCorner<3, 3>() =
         R.transpose() * Vec3(1e8, 1e8, 0).asDiagonal() * R;
@@ -487,7 +499,7 @@ TEST(bundle, frames_follow_what_holds_them_as_foretold) {
   const double sizes[6] = {1e-4, 1e-4, 1e-4, 1e-3, 1e-3, 1e-3};
   Problem problem(11, 3, 6, 120);
   problem.params.iterations_max = 30;
-  problem.params.huber_sigma = 1e3;
+  problem.params.robust_sigma = 1e3;
   problem.noise.accel_noise = 2e-3;                           // inertia should have a say
   problem.prior.information.topLeftCorner<9, 9>().setZero();  // no hold on place, heading, speed
   const Mat3 R = problem.truth[3].T_WB.R;

@@ -14,7 +14,7 @@ struct MappingParams {
   float shared_points_min = 12.0f;
   float iterations_max = 5.0f;
   float sigma_px = 0.6f;
-  float huber_sigma = 1.5f;
+  float robust_sigma = 2.3f;
   float outlier_sigma = 3.0f;
   float parallax_rad_min = 0.02f;
   float stereo_parallax_rad_min = 0.004f;
@@ -41,8 +41,9 @@ inline constexpr ParamRow<MappingParams> kMappingRows[] = {
      "Levenberg-Marquardt steps of a bundle adjustment"},
     {"sigma_px", &MappingParams::sigma_px, 0.05f, 10, "px", Audience::kExpert,
      "standard deviation of an observation in the image"},
-    {"huber_sigma", &MappingParams::huber_sigma, 0.5f, 10, "sigma", Audience::kExpert,
-     "residual from which the Huber cost is linear"},
+    {"robust_sigma", &MappingParams::robust_sigma, 0.5f, 1e6f, "sigma", Audience::kExpert,
+     "residual that weighs a quarter of what it would as a square; its weight vanishes further "
+     "off"},
     {"outlier_sigma", &MappingParams::outlier_sigma, 1, 20, "sigma", Audience::kExpert,
      "residual from which an observation is removed as an outlier after the adjustment"},
     {"parallax_rad_min", &MappingParams::parallax_rad_min, 0.001f, 0.5f, "rad", Audience::kExpert,

@@ -70,13 +70,13 @@ int Filter::gate(Correspondences& correspondences) const {
 
 PoseInformation Filter::linearize(const BodyState& at,
                                   const Correspondences& correspondences) const {
+  const double c2 = params_.robust_sigma * params_.robust_sigma;
   PoseInformation info;
   for (const Correspondence& c : correspondences) {
     Reprojection m;
     if (c.gate != Gate::kAccepted || !linearize(at, c, m)) continue;
     const Mat2 R_inverse = m.R.inverse();
-    const double e = std::sqrt(m.r.dot(R_inverse * m.r));
-    const double weight = e > params_.huber_sigma ? params_.huber_sigma / e : 1.0;
+    const double weight = 1 / (1 + m.r.dot(R_inverse * m.r) / c2);
     const Mat26 WJ = weight * R_inverse * m.J;
     info.A.noalias() += m.J.transpose() * WJ;
     info.b.noalias() += WJ.transpose() * m.r;

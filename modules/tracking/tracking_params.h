@@ -10,7 +10,7 @@ namespace pirvs {
 struct FilterParams {
   float sigma_px = 1.0f;
   float chi2_max = 9.21f;
-  float huber_sigma = 2.0f;
+  float robust_sigma = 2.0f;
   float iterations_max = 3.0f;
   float point_cov_scale = 1.0f;
   float standstill_sigma_m_s = 0.005f;
@@ -26,8 +26,8 @@ inline constexpr ParamRow<FilterParams> kFilterRows[] = {
      "standard deviation of a track's place in the image"},
     {"chi2_max", &FilterParams::chi2_max, 1, 100, "1", Audience::kExpert,
      "chi-squared gate of a correspondence (2 degrees of freedom; 9.21: 99 %)"},
-    {"huber_sigma", &FilterParams::huber_sigma, 0.5f, 10, "sigma", Audience::kExpert,
-     "residual from which the Huber weight decreases"},
+    {"robust_sigma", &FilterParams::robust_sigma, 0.5f, 1e6f, "sigma", Audience::kExpert,
+     "residual that weighs half of what it would as a square (Cauchy's weight)"},
     {"iterations_max", &FilterParams::iterations_max, 1, 10, count_of("steps"), Audience::kExpert,
      "iterations of the filter's update"},
     {"point_cov_scale", &FilterParams::point_cov_scale, 0, 100, "1", Audience::kExpert,
