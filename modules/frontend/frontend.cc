@@ -194,11 +194,11 @@ bool Frontend::follow_level(const Track& track, int level, float& x, float& y, f
   LkPatch patch;
   const ImageView& from = pyramid_[current_ ^ 1].level(level);
   if (!lk_extract(from, track.x * scale, track.y * scale, patch) || !patch.usable) return false;
-  why = TrackLoss::kFlow;
   float xl = x * scale, yl = y * scale;
   const float step = level == 0 ? params_.lk_step_px_min : 2 * params_.lk_step_px_min;
   if (!lk_align(pyramid_[current_].level(level), patch, xl, yl,
                 static_cast<int>(params_.lk_iterations_max), step, residual)) {
+    why = TrackLoss::kFlow;
     return false;
   }
   x = xl / scale;

@@ -259,8 +259,8 @@ TEST(frontend, prediction_turns_with_the_camera) {
 
 TEST(frontend, what_leaves_the_image_is_dropped_and_counted) {
   Slide s;
-  for (int i = 0; i < 12; ++i) {
-    ASSERT_EQ(s.show(s.image(Vec2(-6.0 * i, 0))), Status::kOk);
+  for (int i = 0; i < 30; ++i) {
+    ASSERT_EQ(s.show(s.image(Vec2(-2.4 * i, 0))), Status::kOk);
     for (const Track& track : s.tracks()) {
       EXPECT_GE(track.x, 10);
       EXPECT_LE(track.x, kSide - 11);

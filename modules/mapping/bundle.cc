@@ -19,6 +19,7 @@ constexpr size_t kPointsPerStep = 128;  // ~0.3 ms of an A72
 // From here on a residual says only that the match or the point is wrong: it is left out, and costs
 // as much as a point behind the camera.
 constexpr double kHopeless_sigma2 = 50.0 * 50.0;
+constexpr double kRayDamping = 1e-7;
 
 }  // namespace
 
@@ -214,8 +215,9 @@ void Bundle::linearize_point(Point& point) {
       b_[at + i] += g[i];
     }
   }
-  // A point that is seen along one ray only would not invert; a metre of prior costs nothing.
-  H.diagonal().array() += 1e-6;
+  // A point that is held along one ray only, the other observations being far off, would not invert
+  // well; three times its distance as its standard deviation costs nothing.
+  H.diagonal().array() += 1e-6 + kRayDamping * H.trace();
   point.H_inverse = H.inverse();
 }
 
@@ -372,7 +374,9 @@ double Bundle::evaluate_links() const {
 }
 
 void Bundle::judge() {
-  const bool last = iteration_ >= static_cast<int>(params_.iterations_max);
+  // Until one step has helped, as many again are tried beyond the first: ever shorter ones.
+  const int steps = static_cast<int>(params_.iterations_max);
+  const bool last = iteration_ >= (accepted_ > 0 ? steps : 2 * steps - 1);
   if (cost_trial_ < cost_) {
     ++accepted_;
     const bool converged = cost_ - cost_trial_ < 1e-3 * cost_;

@@ -259,7 +259,7 @@ TEST(filter, one_correspondence_equals_the_textbook_update) {
     Random random(seed);
     FilterCase c;
     c.params.iterations_max = 1;
-    c.params.robust_sigma = 1e3;
+    c.params.robust_sigma = 1e6;
     c.filter.configure(c.rig.camera, ImuNoise{}, c.params);
     const BodyState state = random.state();
     const Mat15 cov = random.spd<15>(1e-4);
@@ -346,7 +346,7 @@ TEST(filter, covariance_is_honest) {
     Random random(seed);
     FilterCase c;
     c.params.chi2_max = 100;  // the gate cuts off the tails that are counted here
-    c.params.robust_sigma = 1e3;
+    c.params.robust_sigma = 1e6;
     c.filter.configure(c.rig.camera, ImuNoise{}, c.params);
     const BodyState truth = random.state();
     Correspondences z;

@@ -8,7 +8,7 @@
 namespace pirvs {
 
 struct FilterParams {
-  float sigma_px = 1.0f;
+  float sigma_px = 0.6f;
   float chi2_max = 9.21f;
   float robust_sigma = 2.0f;
   float iterations_max = 3.0f;
@@ -65,7 +65,7 @@ struct TrackerParams {
   float loop_every_s = 0.5f;
   float loop_matches_min = 30.0f;
   float loop_held_max = 1.5f;
-  float cov_scale = 1.8f;
+  float cov_scale = 1.0f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {

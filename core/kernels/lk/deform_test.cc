@@ -137,7 +137,7 @@ TEST(deform, follows_without_drift) {
 
 TEST(deform, refuses_what_is_no_view_of_the_patch) {
   Image im(60, 60);
-  fill(im, 0, 3);
+  im.fill_random(3);
   KeyPatch key;
   ASSERT_TRUE(key_patch(im.view(), 30, 30, key));
   DeformedPatch patch;
@@ -162,7 +162,7 @@ TEST(deform, refuses_what_is_no_view_of_the_patch) {
 // At a corner of the image the key patch repeats the edge: no byte outside is read.
 TEST(deform, key_patch_at_the_edge) {
   Image im(36, 36);
-  fill(im, 0, 3);
+  im.fill_random(3);
   for (const float x : {0.0f, 35.9f})
     for (const float y : {0.0f, 35.9f}) {
       KeyPatch key;
