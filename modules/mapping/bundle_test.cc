@@ -626,11 +626,11 @@ TEST(bundle, a_point_that_jumps_behind_its_camera_vetoes_no_step) {
   const int bad = static_cast<int>(problem.points.size());
   problem.points.push_back(start_W);
   problem.sightings.push_back({bad, 3, 0, left, true});
-  problem.sightings.push_back({bad, 3, 1, right - Vec2(1.8 * disparity_px, 0), true});
+  problem.sightings.push_back({bad, 3, 1, right + Vec2(4 * disparity_px, 0), true});
   const auto with = solve(problem);
   ASSERT_TRUE(with->solved());
   EXPECT_LT(worst(problem, *with, 3), 1.1 * worst(problem, *without, 3) + 1e-4);
-  EXPECT_EQ(with->point(bad), start_W) << "it stays";
+  EXPECT_LT((with->point(bad) - start_W).norm(), 0.5) << "it stays about where it was";
   EXPECT_GT(with->residual_sigma(bad, 1), 3 * problem.params.outlier_sigma) << "and is found";
   EXPECT_TRUE(with->errors_known());
 }
