@@ -79,6 +79,15 @@ inline Int16x16 subtract(Int16x16 a, Int16x16 b) {
   return {vsubq_s16(a.low, b.low), vsubq_s16(a.high, b.high)};
 }
 inline Int16x16 absolute(Int16x16 a) { return {vabsq_s16(a.low), vabsq_s16(a.high)}; }
+inline Int16x16 smaller(Int16x16 a, Int16x16 b) {
+  return {vminq_s16(a.low, b.low), vminq_s16(a.high, b.high)};
+}
+inline Int16x16 larger(Int16x16 a, Int16x16 b) {
+  return {vmaxq_s16(a.low, b.low), vmaxq_s16(a.high, b.high)};
+}
+inline Int16x16 multiply(Int16x16 a, Int16x16 b) {
+  return {vmulq_s16(a.low, b.low), vmulq_s16(a.high, b.high)};
+}
 template <int kBits>
 Int16x16 shift_right_rounded(Int16x16 a) {
 #if defined(__aarch64__)
