@@ -5,10 +5,9 @@
 namespace pirvs {
 namespace {
 
-constexpr float kDamping = 5.0f;     // grey^2 / px^2: texture of 2 grey / px is held half
-constexpr float kDrawAgain = 0.01f;  // of deformation: 0.08 px at the patch's edge
+constexpr float kDamping = 10.0f;    // grey^2 / px^2: texture of 3 grey / px is held half
+constexpr float kDrawAgain = 0.03f;  // of deformation: 0.2 px at the patch's edge
 constexpr float kContrastAgain = 0.03f;
-constexpr int kStepsMax = 3;  // joint steps an image, each with a template drawn anew
 
 bool drifted(const Deformation& now, const Deformation& drawn) {
   const float xx = now.xx - drawn.xx, xy = now.xy - drawn.xy;
@@ -39,12 +38,8 @@ bool FirstLooks::follow(const Track& track, const ImageView& image, const Limits
   const float dx = x_found - x, dy = y_found - y;
   if (!(dx * dx + dy * dy < limits.shift_px * limits.shift_px)) return false;
   if (left_over > limits.residual_grey) return false;
-  for (int step = 0; step < kStepsMax; ++step) {
-    if (!deform_step(image, look.now, x_found, y_found, look.deformation)) return false;
-    if (!drifted(look.deformation, look.now.deformation)) break;
-    look.usable = draw(look);
-    if (!look.usable) break;
-  }
+  if (!deform_step(image, look.now, x_found, y_found, look.deformation)) return false;
+  if (drifted(look.deformation, look.now.deformation)) look.usable = draw(look);
   x = x_found;
   y = y_found;
   residual = left_over;
