@@ -1,5 +1,5 @@
-// Each track's patch as it was when the track began, and how it has been deformed since: flow
-// against it does not drift from image to image.
+// Template of each track, the patch it began with, and its affine deformation since: alignment with
+// it does not drift from image to image.
 // In      tracks of one front-end; images of its camera; where a track is expected.
 // Out     the track's place in an image, with the residual there.
 // Frames  distorted pixels, (0,0) = centre of the first pixel.

@@ -1,9 +1,8 @@
-// The cost of a reprojection error that may be no error of measuring at all: a wrong match, a point
-// that slides along an edge. It grows like a square near zero and ends at a constant, so that what
-// is far off has no pull.
+// Robust cost of reprojection errors (M-estimator): quadratic near zero, constant far off, so that
+// outliers, wrong matches and points that slide along an edge, have no influence.
 // In      squared residuals in sigmas (2 degrees of freedom): all of them once before the first
-//         step, since where most are large the states are far off, and only these residuals can
-//         bring them home: then the cost is as much wider.
+//         step. Where most are large, the states are far off and inliers have large residuals, too:
+//         the cost's scale then grows with the median residual.
 // Out     cost c^2 s / (c^2 + s) and weight, its derivative by s.
 // Errors  none. Cost: 256 bytes.
 // Source  Geman, McClure, 1987; Barron, CVPR 2019, for its place among the others.

@@ -1,5 +1,6 @@
-// A patch as it was first seen, and how it looks now: sheared, turned, scaled, brighter. Flow from
-// image to image adds up its errors; flow against the first look does not.
+// Affine template tracking: warps the patch that a track began with to how it should look now, and
+// refines position, affine deformation and contrast. Flow from image to image accumulates drift;
+// alignment with the first template does not.
 // In      8-bit grey. A key patch and its deformation since; positions in pixels of the image.
 // Out     deform: the template for lk_align as the key patch should look now, with the normal
 //         equations of the joint step. deform_step: one Gauss-Newton step of place, deformation and
@@ -9,7 +10,7 @@
 // Errors  false: key_patch: the place is outside the image. deform: the deformation asks for more
 //         than the key patch has around it, or is none (deform_usable), or too flat a template.
 //         deform_step: the window leaves the image, or the step is too large to be true.
-// Cost    x86-64: 1.2 us a deform, 0.12 us a step (make bench K=deform).
+// Cost    x86-64: 1.2 us a deform, 0.17 us a step (make bench K=deform).
 //         All variants and machines give the same bits: sums are integers, the rest is a fixed
 //         order of float operations.
 // Goal    A72 cycles: deform 9000 a call, deform_step 900.
@@ -49,7 +50,7 @@ bool deform_usable(const Deformation& d);
 // `damping`: grey^2 / px^2, what holds the deformation where the texture does not tell it.
 bool deform_ref(const KeyPatch& key, const Deformation& d, float damping, DeformedPatch& out);
 bool deform_neon(const KeyPatch& key, const Deformation& d, float damping, DeformedPatch& out);
-// d: that of the patch at call; it may have drifted a little from the template's own.
+// Corrects d, the track's deformation; the template may have been drawn for a slightly older one.
 bool deform_step_ref(const ImageView& im, const DeformedPatch& patch, float& x, float& y,
                      Deformation& d);
 bool deform_step_neon(const ImageView& im, const DeformedPatch& patch, float& x, float& y,

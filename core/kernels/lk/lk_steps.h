@@ -39,11 +39,11 @@ inline bool place(const ImageView& im, float x, float y, int border, Window& out
   return true;
 }
 
-// The sample in a column and row of the window, grey * 32, one at a time.
-// Horizontal weights in 1/128: 0..255 * 128.
+// Horizontal blend of two pixels, weights in 1/128: 0..255 * 128.
 inline int blend_row_ref(const uint8_t* p, int wx) { return p[0] * (128 - wx) + p[1] * wx; }
 
-// grey * 32. The vertical blend is rounded at grey * 128, as vqrdmulh does, then brought to * 32.
+// One bilinear sample of the window, grey * 32: the reference. The vertical blend is rounded at
+// grey * 128, as vqrdmulh does, then brought to * 32.
 inline int16_t sample(const Window& w, int column, int row) {
   const uint8_t* p = w.first + static_cast<int64_t>(row) * w.stride + column;
   const int upper = blend_row_ref(p, w.wx), lower = blend_row_ref(p + w.stride, w.wx);
