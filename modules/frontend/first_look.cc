@@ -7,7 +7,7 @@ namespace {
 
 constexpr float kDamping = 10.0f;    // grey^2 / px^2: texture of 3 grey / px is held half
 constexpr float kDrawAgain = 0.03f;  // of deformation: 0.2 px at the patch's edge
-constexpr float kContrastAgain = 0.03f;
+constexpr float kContrastAgain = 0.06f;
 
 bool drifted(const Deformation& now, const Deformation& drawn) {
   const float xx = now.xx - drawn.xx, xy = now.xy - drawn.xy;

@@ -10,7 +10,9 @@
 namespace pirvs {
 namespace {
 
-constexpr float kDetectMargin_px = 20.0f;     // what describe() reads around a point
+constexpr float kDetectMargin_px = 20.0f;  // what describe() reads around a point
+constexpr size_t kSearchesPerTrack = 4;
+constexpr int kBinStride = 613;  // prime, so that all bins are visited
 constexpr float kResidualAlways_grey = 4.0f;  // that a good track may have in the sharpest image
 constexpr float kLookResidualAlways_grey = 6.0f;  // the same against its first look
 constexpr float kFollowMargin_px = 10.0f;  // half a flow patch, its gradients and interpolation
@@ -63,20 +65,24 @@ void Frontend::reset() {
   tracks_.clear();
   free_slots_.clear();
   for (int slot = kTracksMax; slot-- > 0;) (void)free_slots_.push_back(static_cast<uint16_t>(slot));
+  next_bin_ = 0;
   for (uint8_t& wait : bin_wait_) wait = 0;
   residual_usual_ = 0;
 }
 
 void Frontend::predict(const Mat3& R_C1C0) {
   for (Track& track : tracks_) {
-    track.x_pred = track.x;
-    track.y_pred = track.y;
+    track.x_turned = track.x;
+    track.y_turned = track.y;
     Vec3 bearing_C0;
     Vec2 uv;
-    if (!camera_.unproject(Vec2(track.x, track.y), bearing_C0)) continue;
-    if (!camera_.project(R_C1C0 * bearing_C0, uv)) continue;
-    track.x_pred = static_cast<float>(uv.x());
-    track.y_pred = static_cast<float>(uv.y());
+    if (camera_.unproject(Vec2(track.x, track.y), bearing_C0) &&
+        camera_.project(R_C1C0 * bearing_C0, uv)) {
+      track.x_turned = static_cast<float>(uv.x());
+      track.y_turned = static_cast<float>(uv.y());
+    }
+    track.x_pred = track.x_turned + track.x_parallax;
+    track.y_pred = track.y_turned + track.y_parallax;
   }
 }
 
@@ -144,7 +150,11 @@ bool Frontend::follow_one(Track& track, float& residual, TrackLoss& why) {
   const PyramidStore& to = pyramid_[current_];
   float x = track.x_pred, y = track.y_pred;
   why = TrackLoss::kLeftImage;
-  if (!inside(to.level(0), x, y, 0)) return false;
+  if (!inside(to.level(0), x, y, 0)) {  // by its parallax perhaps, which need not go on
+    x = track.x_turned;
+    y = track.y_turned;
+    if (!inside(to.level(0), x, y, 0)) return false;
+  }
   bool by_look = follow_look(track, params_.look_shift_px_max, x, y, residual);
   if (!by_look) {
     for (int l = to.levels() - 1; l > 0; --l) {
@@ -161,10 +171,12 @@ bool Frontend::follow_one(Track& track, float& residual, TrackLoss& why) {
     why = TrackLoss::kReturn;
     if (!returns(track, x, y)) return false;
   }
+  track.x_parallax = x - track.x_turned;
+  track.y_parallax = y - track.y_turned;
   track.x_last = track.x;
   track.y_last = track.y;
-  track.x = x;
-  track.y = y;
+  track.x = track.x_pred = track.x_turned = x;
+  track.y = track.y_pred = track.y_turned = y;
   if (track.age < UINT16_MAX) ++track.age;
   if (!by_look) looks_.begin(track, to.level(0));
   return true;
@@ -247,12 +259,21 @@ void Frontend::detect(const Vec3& gravity_C) {
     taken[row * columns + column] = true;
   }
   FixedVector<Corner, kDetectionCellsMax> found;
-  for (int b = 0; b < columns * rows; ++b) {
+  // A few for each track that is missing, going on where the last image has ended: of all that are
+  // empty, most would be searched for nothing. Those that follow each other lie all over the image.
+  const int bins = columns * rows, first = next_bin_;
+  const int stride = bins % kBinStride == 0 ? 1 : kBinStride;
+  size_t searches = kSearchesPerTrack * (target - tracks_.size());
+  for (int i = 0; i < bins; ++i) {
+    const int b = (first + i * stride) % bins;
     if (taken[b]) continue;
     if (bin_wait_[b] > 0) {
       --bin_wait_[b];
       continue;
     }
+    if (searches == 0) continue;
+    --searches;
+    next_bin_ = (b + stride) % bins;
     Corner corner;
     if (corner_best(image, margin + b % columns * bin, margin + b / columns * bin, bin, bin,
                     params_.corner_response_min, corner)) {
@@ -298,8 +319,8 @@ TrackId Frontend::start_track(float x, float y, const Descriptor* descriptor) {
   track->id = next_id_++;
   track->slot = free_slots_.back();
   free_slots_.pop_back();
-  track->x = track->x_pred = x;
-  track->y = track->y_pred = y;
+  track->x = track->x_pred = track->x_turned = x;
+  track->y = track->y_pred = track->y_turned = y;
   if (descriptor != nullptr) {
     track->descriptor = *descriptor;
     track->described = true;

@@ -41,7 +41,8 @@ class Frontend {
   // Other parameters from the next image on; tracks go on.
   void retune(const FrontendParams& params);
 
-  // Expects every track where the camera's turn alone would bring it.
+  // Expects every track where the camera's turn would bring it, moved on as in the last image by
+  // what turning did not explain.
   void predict(const Mat3& R_C1C0);
   // Follows, drops, detects and describes. gravity_C: any length; its image direction is "up" for
   // descriptors, so that they survive a roll of the device.
@@ -87,6 +88,7 @@ class Frontend {
   FixedVector<uint16_t, kTracksMax> free_slots_;  // of no track, the next one's last
   CounterArray<TrackLoss> losses_;
   DetectionGrid grid_;
+  int next_bin_ = 0;  // to be searched, if it is empty
   uint8_t bin_wait_[kDetectionCellsMax] = {};
 };
 

@@ -244,6 +244,44 @@ TEST(frontend, a_good_prediction_bridges_any_motion) {
   EXPECT_GE(followed, expected * 9 / 10);
 }
 
+TEST(frontend, what_turning_does_not_explain_is_expected_to_go_on) {
+  Slide s(2, 400, 300);
+  for (int i = 0; i < 3; ++i) ASSERT_EQ(s.show(s.image(Vec2(9 * i, -5 * i))), Status::kOk);
+  s.frontend->predict(Mat3::Identity());
+  size_t old = 0;
+  for (const Track& track : s.tracks()) {
+    const Vec2 moves(track.x_pred - track.x, track.y_pred - track.y);
+    if (track.age == 0) {
+      EXPECT_LT(moves.norm(), 1e-3);
+    } else {
+      EXPECT_LT((moves - Vec2(9, -5)).norm(), 0.3);
+      ++old;
+    }
+  }
+  EXPECT_GT(old, 20u);
+}
+
+// Two tracks are missing in each image, as they are erased: the same best corners would come back.
+TEST(frontend, empty_bins_are_searched_in_turn) {
+  Slide s(4, 400, 300);
+  s.params.tracks_target = 10;
+  s.frontend->configure(s.camera, s.params);
+  const DetectionGrid grid = detection_grid(400, 300, 36);
+  const std::vector<uint8_t> image = s.image(Vec2(0, 0));
+  std::set<int> bins;
+  for (int i = 0; i < 20; ++i) {
+    ASSERT_EQ(s.show(image), Status::kOk);
+    EXPECT_EQ(s.tracks().size(), 10u);
+    for (const Track& track : s.tracks()) {
+      if (track.age > 0) continue;
+      bins.insert((static_cast<int>(track.y) - 20) / 36 * grid.columns +
+                  (static_cast<int>(track.x) - 20) / 36);
+    }
+    for (int k = 0; k < 2; ++k) s.frontend->erase(0);
+  }
+  EXPECT_GT(bins.size(), 18u) << "of " << grid.columns * grid.rows;
+}
+
 TEST(frontend, prediction_turns_with_the_camera) {
   Slide s;
   ASSERT_EQ(s.show(s.image(Vec2(0, 0))), Status::kOk);

@@ -5,6 +5,11 @@
 #include "core/kernels/pyramid/pyramid.h"
 
 namespace pirvs {
+namespace {
+
+constexpr int kCountEvery = 4;  // rows: a quarter of the pixels has the grey values of all
+
+}  // namespace
 
 void PyramidStore::build(const ImageView& image, int levels) {
   PIRVS_ASSERT(image_fits(image.width, image.height));
@@ -12,7 +17,7 @@ void PyramidStore::build(const ImageView& image, int levels) {
   levels_ = levels;
   const int stride = (image.width + kAlign - 1) / kAlign * kAlign;
   uint8_t* at = data_;
-  equalize(image, at, stride);
+  equalize(image, at, stride, kCountEvery);
   level_[0] = {at, image.width, image.height, stride};
   for (int l = 1; l < levels; ++l) {
     const ImageView& above = level_[l - 1];

@@ -18,12 +18,12 @@ inline uint32_t* hidden(uint32_t* p) {
 
 // Four histograms: neighbouring pixels are often equal, and a count that was just stored would have
 // to be waited for. Scalar on every machine, as a histogram has no vector form.
-void count(const ImageView& in, uint32_t (&histogram)[256]) {
+void count(const ImageView& in, int every, uint32_t (&histogram)[256]) {
   uint32_t counts[4][256] = {};
   uint32_t* const tables[4] = {hidden(counts[0]), hidden(counts[1]), hidden(counts[2]),
                                hidden(counts[3])};
   const int width = in.width;
-  for (int y = 0; y < in.height; ++y) {
+  for (int y = 0; y < in.height; y += every) {
     const uint8_t* p = in.row(y);
     int x = 0;
     for (; x + 8 <= width; x += 8) {
@@ -76,12 +76,12 @@ void map_row(const uint8_t* in, const uint8_t (&table)[256], int width, uint8_t*
 
 }  // namespace
 
-void equalize_neon(const ImageView& in, uint8_t* out, int out_stride) {
-  equalize_detail::check(in, out_stride);
+void equalize_neon(const ImageView& in, uint8_t* out, int out_stride, int count_every) {
+  equalize_detail::check(in, out_stride, count_every);
   uint32_t histogram[256];
-  count(in, histogram);
+  count(in, count_every, histogram);
   uint8_t table[256];
-  equalize_detail::make_table(histogram, static_cast<uint32_t>(in.width * in.height), table);
+  equalize_detail::make_table(histogram, in, count_every, table);
   for (int y = 0; y < in.height; ++y)
     map_row(in.row(y), table, in.width, out + static_cast<int64_t>(y) * out_stride);
 }
