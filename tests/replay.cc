@@ -63,7 +63,9 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   alarm(kReplay_s_max);
   {
     tools::Feed feed(recording, faults, {}, from_seconds(options.camera_latency_s));
-    app.configure(recording.calibration, AppParams{}, out.log.sinks());
+    AppParams params;
+    params.tracking.tracker.estimate_time = options.estimate_time ? 1 : 0;
+    app.configure(recording.calibration, params, out.log.sinks());
     const bool live = options.playback == tools::Playback::kRealTime;
     if (!live) app.replay_inbox(feed.inbox());
     if (!live && options.mapping_lag < 0) app.replay_maps(feed.maps());

@@ -179,6 +179,9 @@ Step App::tracking_step() {
   if (estimator_.tracking_step() == Step::kIdle) return Step::kIdle;
   output_.fuse(estimator_.fused());
   check_clocks();
+  const TimeNs later = estimator_.correct_time();
+  door_.watch().correct(later);
+  camera_correction_ += later;
   door_.release();
   return Step::kAgain;
 }

@@ -85,6 +85,13 @@ class App {
   void set_clock(TimeNs (*now)()) { output_.set_clock(now); }
   PoseFeed& poses() { return output_.feed(); }
   const Latency& latency() const { return output_.latency(); }  // from any core
+  // At rest: how far the calibration is off, as it was told, time and turn ("": it is not); in
+  // numbers; by how much the cameras' offset was corrected.
+  const char* calibration_news(int i) const { return estimator_.calibration_news(i); }
+  SelfCalibration::Estimate self_calibration() const {
+    return estimator_.tracker().self_calibration();
+  }
+  TimeNs camera_correction() const { return camera_correction_; }
 
   const Map& map() const { return estimator_.map(); }  // once finished
   // The landmarks that tracking sees now, each once; the door's core. Returns the count.
@@ -142,7 +149,8 @@ class App {
   bool held_ = false;    // may_go_on_ said no when it was last asked
   bool (*may_go_on_)(const App&) = nullptr;
   uint8_t frame_present_ = 0;
-  TimeNs door_t_ = 0;          // of the last item handed out
+  TimeNs door_t_ = 0;  // of the last item handed out
+  TimeNs camera_correction_ = 0;
   TimeNs mapping_done_t_ = 0;  // when mapping last had nothing to do, sensor time
 
   CorePlan plan_;

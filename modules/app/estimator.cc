@@ -1,6 +1,7 @@
 #include "modules/app/estimator.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "bsp/api/clock.h"
 #include "core/math/trig.h"
@@ -16,6 +17,13 @@ const char* event_of(const FrameResult& result) {
   if (result.closed) return "closed a loop";
   if (result.recognised) return "recognised the place";
   return result.health_changed ? "health changed" : nullptr;
+}
+
+constexpr double kTold_s = 4e-3, kTold_rad = 0.7 * kPi / 180;  // smaller errors are not told
+
+bool is_off(double by, double sigma, double told) {
+  constexpr double kSigmas = 10;  // observations are not independent
+  return std::fabs(by) > told && std::fabs(by) > kSigmas * sigma;
 }
 
 float to_ms(int64_t ns) { return static_cast<float>(ns) * 1e-6f; }
@@ -178,8 +186,32 @@ Step Estimator::tracking_step() {
   report(result, matched - begin);
   const char* what = event_of(result);
   if (what != nullptr) tell_health(frame_.t, what);
+  tell_calibration();
   stage_.store(Stage::kIdle, std::memory_order_release);
   return Step::kAgain;
+}
+
+// What the calibration says cannot be, by far; once each. The state takes up a part of a large
+// error, so that what is told is rather too small.
+void Estimator::tell_calibration() {
+  const SelfCalibration::Estimate now = tracker_.self_calibration();
+  auto& [time, turn] = calibration_news_;
+  const bool corrected = params_.tracking.tracker.estimate_time > 0.5f;
+  if (!corrected && time.size() == 0 && is_off(now.time_s, now.time_sigma_s, kTold_s)) {
+    time.put("images are about ")
+        .fixed(1e3 * std::fabs(now.time_s), 1)
+        .put(now.time_s < 0 ? " ms older" : " ms newer")
+        .put(" than their stamps say on the IMU's clock: timeshift_cam_imu, or ")
+        .put("--estimate time");
+    tell_health(frame_.t, time.c_str());
+  }
+  const double turn_rad = now.turn_B.norm(), sigma_rad = now.turn_sigma_B.maxCoeff();
+  if (turn.size() == 0 && is_off(turn_rad, sigma_rad, kTold_rad)) {
+    turn.put("the cameras are turned by about ")
+        .fixed(turn_rad * 180 / kPi, 1)
+        .put(" degrees against the IMU, other than T_BS says");
+    tell_health(frame_.t, turn.c_str());
+  }
 }
 
 void Estimator::report(const FrameResult& result, TimeNs matching_ns) {

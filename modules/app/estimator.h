@@ -11,6 +11,7 @@
 
 #include <atomic>
 
+#include "core/base/text.h"
 #include "core/sched/scheduler.h"
 #include "modules/app/app_params.h"
 #include "modules/app/app_sinks.h"
@@ -54,6 +55,11 @@ class Estimator {
   // is empty then.
   Status load_map(TimeNs t, const MapSource& source);
 
+  // See Tracker. After a frame.
+  TimeNs correct_time() { return tracker_.correct_time(); }
+
+  const char* calibration_news(int i) const { return calibration_news_[i].c_str(); }
+
   FusedState fused() const;
   const Tracker& tracker() const { return tracker_; }
   const Tracks& tracks(int camera) const { return frontend_[camera].tracks(); }
@@ -94,6 +100,7 @@ class Estimator {
   void configure_tracking();
   void rebuild(TimeNs t, const char* why);
   Step adjust_map();
+  void tell_calibration();
   void report(const FrameResult& result, TimeNs matching_ns);
 
   Calibration calibration_;
@@ -118,6 +125,7 @@ class Estimator {
   int64_t tracking_ns_ = 0;
   FrameReport report_;
   bool report_pending_ = false;
+  Text<160> calibration_news_[2];  // of time and turn: told once, a sink may keep them
 };
 
 }  // namespace pirvs

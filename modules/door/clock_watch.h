@@ -28,6 +28,9 @@ class ClockWatch {
 
   TimeNs to_imu_clock(TimeNs camera_stamp) const { return camera_stamp + offset_; }
 
+  // The calibration's offset turns out to be larger by so much.
+  void correct(TimeNs later) { offset_ += later; }
+
   // A frame has come, under the cameras' own stamp.
   void frame_came(TimeNs camera_stamp, DoorLosses& losses);
   // An IMU sample whose stamp stepped by so much more than the samples' period.

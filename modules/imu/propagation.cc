@@ -6,7 +6,7 @@
 namespace pirvs {
 
 void propagate(const ImuSample& a, const ImuSample& b, const ImuNoise& noise, BodyState& state,
-               Mat15& cov) {
+               Mat15& cov, Mat15* transition) {
   const double dt = to_seconds(b.t - a.t);
   const Mat3 R0 = state.T_WB.R;
   const Vec3 theta = (0.5 * (a.w_B + b.w_B) - state.b_g) * dt;
@@ -28,6 +28,7 @@ void propagate(const ImuSample& a, const ImuSample& b, const ImuNoise& noise, Bo
   F.block<3, 3>(kVel, kTheta) = da_dtheta * dt;
   F.block<3, 3>(kVel, kBg) = da_dbg * dt;
   F.block<3, 3>(kVel, kBa) = da_dba * dt;
+  if (transition != nullptr) *transition = F;
   const Mat15 FP = F * cov;
   cov.noalias() = FP * F.transpose();
   const auto square = [](double x) { return x * x; };

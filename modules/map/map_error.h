@@ -9,6 +9,7 @@
 #pragma once
 
 #include "core/math/so3.h"
+#include "modules/imu/gravity.h"
 #include "modules/map/map.h"
 
 namespace pirvs {
@@ -28,6 +29,14 @@ inline Mat15x6 rigid_motion(const BodyState& state, const Vec3& at) {
   G.block<3, 3>(3, 0) = -skew(state.T_WB.p - at);
   G.block<3, 3>(3, 3).setIdentity();
   G.block<3, 3>(6, 0) = -skew(state.v_WB);
+  return G;
+}
+
+// The same where the IMU's samples stay what they are: what turns does not turn gravity, so the
+// difference is taken for bias. At rest nothing else could tell tilt from bias.
+inline Mat15x6 rigid_motion_under_gravity(const BodyState& state, const Vec3& at) {
+  Mat15x6 G = rigid_motion(state, at);
+  G.block<3, 3>(12, 0) = -state.T_WB.R.transpose() * skew(Vec3(0, 0, kGravity_m_s2));
   return G;
 }
 

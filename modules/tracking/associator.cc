@@ -135,6 +135,22 @@ Correspondences& Associator::collect(double sigma_px, const StandstillDetector& 
   return correspondences_;
 }
 
+Correspondences& Associator::collect(double sigma_px, const RecentFrames& frames, uint32_t frame) {
+  correspondences_.clear();
+  corresponding_.clear();
+  for (int c = 0; c < kCamerasMax; ++c) {
+    for (const Track& track : tracks(c)) {
+      const MapPoint* shown = point(c, track);
+      Vec2 uv;
+      if (shown == nullptr || shown->epoch != map_.epoch()) continue;
+      if (!frames.place(c, track, frame, uv)) continue;
+      (void)correspondences_.push_back({shown->p_W, shown->cov, uv, sigma_px, c, Gate::kAccepted});
+      (void)corresponding_.push_back(&track);
+    }
+  }
+  return correspondences_;
+}
+
 int Associator::occupied_cells() const {
   int most = 0;
   for (int c = 0; c < cameras_; ++c) {

@@ -12,6 +12,7 @@
 #include "modules/matching/recognise.h"
 #include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
+#include "modules/tracking/recent_frames.h"
 
 namespace pirvs {
 
@@ -58,6 +59,8 @@ class Associator {
   // Of all tracks whose landmark is exact to the pose; at rest of those that stand. They hold until
   // a track is erased.
   Correspondences& collect(double sigma_px, const StandstillDetector& standstill);
+  // The same of a frame of the past, by the places that its tracks had.
+  Correspondences& collect(double sigma_px, const RecentFrames& frames, uint32_t frame);
   // Of the last collect(), after the filter gated them: image cells with an accepted one, in the
   // camera that has more.
   int occupied_cells() const;

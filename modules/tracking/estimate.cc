@@ -5,6 +5,7 @@ namespace pirvs {
 void Estimate::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                          double cov_scale, const ImuHistory* history) {
   filter_.configure(cameras, noise, filter);
+  filter_.tell(&self_calibration_);
   cov_scale_ = cov_scale;
   history_ = history;
 }
@@ -15,13 +16,9 @@ void Estimate::begin(const BodyState& state, const Mat15& cov) {
   resting_ = false;
 }
 
-bool Estimate::restart(const BodyState& refined, const Mat15& cov, const BodyState& tracked) {
+bool Estimate::restart(const BodyState& refined, const Mat15& cov) {
   if (!filter_.restart(refined, cov, *history_)) return false;
   resting_ = false;
-  // The last frame was located in the unrefined map: carry it over by the keyframe's shift.
-  T_WB_last_frame_ = tracked.t == refined.t
-                         ? refined.T_WB * tracked.T_WB.inverse() * T_WB_last_frame_
-                         : refined.T_WB;
   return true;
 }
 
@@ -65,7 +62,7 @@ void Estimate::note_rest() {
 }
 
 Mat15 Estimate::cov() const {
-  const Mat15x6 G = rigid_motion(filter_.state(), map_error_.at);
+  const Mat15x6 G = rigid_motion_under_gravity(filter_.state(), map_error_.at);
   return cov_scale_ * (filter_.cov() + G * map_error_.cov * G.transpose());
 }
 

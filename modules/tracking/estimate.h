@@ -23,9 +23,10 @@ class Estimate {
   void begin(const BodyState& state, const Mat15& cov);
   void propagate(const ImuSample& sample) { filter_.propagate(sample); }
 
-  // The keyframe that was sent as `tracked` is `refined` after an adjustment: goes on from there
-  // with the samples since. What frames since then saw counts no more.
-  bool restart(const BodyState& refined, const Mat15& cov, const BodyState& tracked);
+  // A keyframe of the past is `refined` after an adjustment: goes on from there. advance() takes it
+  // to each frame since then, whose correspondences are fused once more, and to the newest sample.
+  bool restart(const BodyState& refined, const Mat15& cov);
+  void advance(TimeNs t) { filter_.propagate_until(t, *history_); }
   // The map was moved by T, and the body with it.
   void carry_over(const SE3& T);
   // The place was recognised: the pose is T_WB, as uncertain as that, and depends on nothing else.
@@ -38,6 +39,9 @@ class Estimate {
   void end_rest() { resting_ = false; }
   // What is seen. Returns how many correspondences were accepted.
   int update(Correspondences& correspondences) { return filter_.update(correspondences); }
+  int update_again(Correspondences& correspondences) {
+    return filter_.update(correspondences, true);
+  }
   // After what is seen was fused: the next frame at rest goes on from here.
   void note_rest();
   void end_frame() { T_WB_last_frame_ = filter_.state().T_WB; }
@@ -45,6 +49,8 @@ class Estimate {
   const BodyState& state() const { return filter_.state(); }
   const SE3& T_WB_last_frame() const { return T_WB_last_frame_; }
   Mat6 pose_cov() const { return filter_.cov().topLeftCorner<6, 6>(); }  // against the map
+  const SelfCalibration& self_calibration() const { return self_calibration_; }
+  SelfCalibration& self_calibration() { return self_calibration_; }
   const MapError& map_error() const { return map_error_; }
   // Against where the first start began: the filter's, which is against the map, and the map's own,
   // both cov_scale times.
@@ -52,6 +58,7 @@ class Estimate {
 
  private:
   Filter filter_;
+  SelfCalibration self_calibration_;
   const ImuHistory* history_ = nullptr;
   double cov_scale_ = 1;
   MapError map_error_;

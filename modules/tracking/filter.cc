@@ -35,18 +35,25 @@ void Filter::propagate(const ImuSample& sample) {
     last_ = sample;
     has_sample_ = true;
     state_.t = sample.t;
+    if (listener_ != nullptr) listener_->begin(state_, sample);
     return;
   }
-  pirvs::propagate(last_, sample, noise_, state_, cov_);
+  Mat15 F;
+  pirvs::propagate(last_, sample, noise_, state_, cov_, &F);
+  if (listener_ != nullptr) listener_->propagate(F);
   last_ = sample;
 }
 
 bool Filter::restart(const BodyState& state, const Mat15& cov, const ImuHistory& imu) {
-  size_t i = imu.first_at(state.t);
+  const size_t i = imu.first_at(state.t);
   if (i == imu.end() || imu[i].t != state.t) return false;
   reset(state, cov);
-  for (; i < imu.end(); ++i) propagate(imu[i]);
+  propagate(imu[i]);
   return true;
+}
+
+void Filter::propagate_until(TimeNs t, const ImuHistory& imu) {
+  for (size_t i = imu.first_at(last_.t + 1); i < imu.end() && imu[i].t <= t; ++i) propagate(imu[i]);
 }
 
 bool Filter::linearize(const BodyState& at, const Correspondence& c, Reprojection& out) const {
@@ -86,7 +93,7 @@ PoseInformation Filter::linearize(const BodyState& at,
 
 // Only theta and p are observed, so the gain needs one 6 x 6 solve however many points there are:
 // K S K' = P_c (I + A P_pp)^-1 A P_c', with P_c the first six columns of P.
-int Filter::update(Correspondences& correspondences) {
+int Filter::update(Correspondences& correspondences, bool again) {
   const int accepted = gate(correspondences);
   if (accepted == 0) return 0;
   const Mat6 P_pp = cov_.topLeftCorner<6, 6>();
@@ -96,6 +103,7 @@ int Filter::update(Correspondences& correspondences) {
   Mat6 gain_core = Mat6::Zero();
   for (int i = 0; i < static_cast<int>(params_.iterations_max); ++i) {
     const PoseInformation info = linearize(state_, correspondences);
+    if (i == 0 && listener_ != nullptr) listener_->update(info, cov_, state_, last_, again);
     const auto solver = (Mat6::Identity() + info.A * P_pp).partialPivLu();
     const Vec15 next = P_c * solver.solve(info.b + info.A * delta.head<6>());
     gain_core = solver.solve(info.A);
@@ -159,6 +167,7 @@ void Filter::hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B
   cov_.diagonal().segment<3>(kPos).array() += square(params_.standstill_shift_m) * dt;
   cov_.diagonal().segment<3>(kBg).array() += square(noise_.gyro_walk) * dt;
   cov_.diagonal().segment<3>(kBa).array() += square(noise_.accel_walk) * dt;
+  if (listener_ != nullptr) listener_->begin(state_, last_);
   fuse(linearize_zero_rate(state_, w_mean_B, params_.standstill_sigma_rad_s));
   fuse(linearize_gravity(state_, f_mean_B, params_.standstill_sigma_m_s2));
 }

@@ -15,17 +15,12 @@
 #include "modules/map/map.h"
 #include "modules/tracking/mm_reprojection.h"
 #include "modules/tracking/mm_standstill.h"
+#include "modules/tracking/self_calibration.h"
 #include "modules/tracking/tracking_params.h"
 
 namespace pirvs {
 
 using Correspondences = FixedVector<Correspondence, kCamerasMax * kTracksMax>;
-
-// Pose part of an information filter: A = sum J' R^-1 J, b = sum J' R^-1 r, over theta and p.
-struct PoseInformation {
-  Mat6 A = Mat6::Zero();
-  Vec6 b = Vec6::Zero();
-};
 
 // How well a pose is known that is looked for: first so, then `tighter` times that, a gate that
 // rejects what does not fit.
@@ -37,14 +32,19 @@ class Filter {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& params);
   void reset(const BodyState& state, const Mat15& cov);
+  // Tells it of every step from now on; nullptr: nobody.
+  void tell(SelfCalibration* listener) { listener_ = listener; }
 
   // Moves the state to the time of `sample`; the first sample after reset() only sets the start.
   void propagate(const ImuSample& sample);
-  // reset() to a state of the past, then all samples since. False: there is none at its time, and
+  // reset() to a state of the past, at the time of a sample. False: there is none at its time, and
   // nothing changes.
   bool restart(const BodyState& state, const Mat15& cov, const ImuHistory& imu);
+  // All samples after the last one, up to t.
+  void propagate_until(TimeNs t, const ImuHistory& imu);
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
-  int update(Correspondences& correspondences);
+  // again: they were fused before, and the listener has counted them.
+  int update(Correspondences& correspondences, bool again = false);
   // From a pose alone: reset() and update(), loosely, then tightly. Returns how many were accepted.
   int locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& correspondences);
   // As rest begins: 0 = v_WB + n and w_B = b_g + n.
@@ -71,6 +71,7 @@ class Filter {
   Mat15 cov_ = Mat15::Identity();
   ImuSample last_;
   bool has_sample_ = false;
+  SelfCalibration* listener_ = nullptr;
 };
 
 }  // namespace pirvs

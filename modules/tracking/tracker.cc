@@ -3,6 +3,7 @@
 #include <cmath>
 #include <new>
 
+#include "core/base/assert.h"
 #include "core/math/so3.h"
 
 namespace pirvs {
@@ -74,7 +75,7 @@ Vec3 Tracker::prepare(uint32_t finished) {
 }
 
 // After an adjustment the filter goes on from the refined keyframe: its state and covariance there,
-// then the samples since. Visual updates since that keyframe are discarded.
+// then what was sensed and seen since.
 void Tracker::take_snapshot() {
   const MapSnapshot* snapshot = mailbox_->take();
   if (snapshot == nullptr) return;
@@ -87,18 +88,37 @@ void Tracker::take_snapshot() {
     estimate_.carry_over(T_join_);
     joining_ = false;
   }
-  if (!newest) {
-    ++counters_.snapshots_late;
-  } else if (snapshot->adjusted) {
-    if (estimate_.restart(snapshot->state, snapshot->cov, keyframer_.last())) {
-      keyframer_.refine(snapshot->state);
-    } else {
-      ++counters_.snapshots_late;
-    }
+  // One that mapping has finished after the next was sent serves as well, while no other frame of
+  // the map is about to be taken.
+  const bool known = newest || (!joining_ && recent_.covers(snapshot->state.t));
+  const bool restarted =
+      snapshot->adjusted && known && estimate_.restart(snapshot->state, snapshot->cov);
+  if (!newest || (snapshot->adjusted && !restarted)) ++counters_.snapshots_late;
+  if (restarted) {
+    if (newest) keyframer_.refine(snapshot->state);
+    estimate_.advance(history_.newest().t);  // the map is looked at from there
   }
   estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
-  note_jump(T_WB_before, estimate_.state().T_WB, joined);
   associator_.take(*snapshot, estimate_.state().T_WB, keyframer_.sent());
+  if (restarted) fuse_again(*snapshot);
+  note_jump(T_WB_before, estimate_.state().T_WB, joined);
+}
+
+// From the refined keyframe, with the frames since then, now against the refined map. Tracks that
+// have become landmarks count in all of them.
+void Tracker::fuse_again(const MapSnapshot& snapshot) {
+  const bool restarted = estimate_.restart(snapshot.state, snapshot.cov);
+  PIRVS_ASSERT(restarted);  // it was before
+  for (uint32_t frame = recent_.begin(); frame < recent_.end(); ++frame) {
+    const TimeNs t = recent_.time(frame);
+    if (t <= snapshot.state.t) continue;
+    estimate_.advance(t);
+    (void)estimate_.update_again(
+        associator_.collect(sigma_px(params_.filter, false), recent_, frame));
+  }
+  estimate_.advance(last_frame_t_);
+  estimate_.end_frame();
+  estimate_.advance(history_.newest().t);
 }
 
 // Mapping has tilted the map, and what stands in it goes along.
@@ -109,6 +129,11 @@ void Tracker::follow_level(const SE3& leveled) {
   initializer_.move_origin(T);
   T_join_ = T * T_join_ * T.inverse();
   if (running_) estimate_.carry_over(T);
+}
+
+TimeNs Tracker::correct_time() {
+  const bool wanted = params_.tracker.estimate_time > 0.5f && running_;
+  return wanted ? estimate_.self_calibration().correct_time() : 0;
 }
 
 void Tracker::move_world(const SE3& T) {
@@ -158,9 +183,22 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   counters_.keyframes_dropped += keyframer_.dropped() - dropped;
   if (!running_) return result;
   estimate_.end_frame();
+  note_recent(t, present, result.at_rest);
   result.has_pose = true;
   ++counters_.frames_with_pose;
   return result;
+}
+
+// At rest nothing is fused again: the samples count there as measurements of rest.
+void Tracker::note_recent(TimeNs t, uint8_t present, bool at_rest) {
+  if (at_rest) {
+    recent_.clear();
+    return;
+  }
+  recent_.add(t);
+  for (int c = 0; c < kCamerasMax; ++c) {
+    if ((present >> c & 1) != 0) recent_.note(c, associator_.tracks(c));
+  }
 }
 
 // The filter's step with what was matched, and what health says of it.
@@ -223,6 +261,7 @@ void Tracker::note_jump(const SE3& before, const SE3& after, bool certain) {
 void Tracker::lose() {
   ++counters_.losses;
   running_ = located_ = false;
+  recent_.clear();
   const BodyState& state = estimate_.state();
   initializer_.lost(state,
                     estimate_.map_error().cov + error_of_pose(state.T_WB.R, estimate_.pose_cov()));

@@ -130,6 +130,12 @@ class Tracker {
   Mat15 cov() const { return estimate_.cov(); }
   HealthState health() const { return health_.state(); }
   const Trust& trust() const { return health_.trust(); }
+  // By how much the cameras' stamps are to be taken for later from now on, ns; 0 unless
+  // tracker.estimate_time.
+  TimeNs correct_time();
+  SelfCalibration::Estimate self_calibration() const {
+    return estimate_.self_calibration().estimate();
+  }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return keyframer_.stereo(); }
   // The landmarks that tracks show, each once. Returns the count.
@@ -137,6 +143,8 @@ class Tracker {
 
  private:
   void take_snapshot();
+  void fuse_again(const MapSnapshot& snapshot);
+  void note_recent(TimeNs t, uint8_t present, bool at_rest);
   void follow_level(const SE3& leveled);
   void update(TimeNs t, uint8_t seen, FrameResult& result);
   void relocalize(TimeNs t, FrameResult& result);
@@ -156,6 +164,7 @@ class Tracker {
   Associator associator_;
   Estimate estimate_;
   Places places_;
+  RecentFrames recent_;  // since rest or a start
   Keyframer keyframer_;
   Initializer initializer_;
   Health health_;

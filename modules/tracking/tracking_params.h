@@ -66,6 +66,7 @@ struct TrackerParams {
   float loop_matches_min = 30.0f;
   float loop_held_max = 1.5f;
   float cov_scale = 1.0f;
+  float estimate_time = 0.0f;
 };
 
 inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
@@ -104,6 +105,10 @@ inline constexpr ParamRow<TrackerParams> kTrackerRows[] = {
     {"cov_scale", &TrackerParams::cov_scale, 0.1f, 100, "1", Audience::kExpert,
      "factor on the output covariance: the errors of one point's observations are correlated, "
      "which no noise model here accounts for"},
+    {"estimate_time", &TrackerParams::estimate_time, 0, 1, "1", Audience::kUser,
+     "1: the time offset between cameras and IMU is estimated and corrected while tracking; 0: "
+     "what "
+     "the calibration says holds, and an offset that is seen is told"},
 };
 static_assert(sizeof(TrackerParams) == std::size(kTrackerRows) * sizeof(float));
 static_assert(in_range(TrackerParams{}, kTrackerRows));

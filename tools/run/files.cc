@@ -23,6 +23,8 @@ Json statistics_json(const Statistics& s) {
 }
 
 // null: not measured, as in a replay that is not in real time.
+Json vector_json(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
 Json latency_json(const LatencySummary& s) {
   if (s.count == 0) return nullptr;
   return {{"min", s.min_ms}, {"median", s.median_ms}, {"p99", s.p99_ms}, {"max", s.max_ms}};
@@ -103,6 +105,12 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"latency_ms",
                       {{"imu_to_pose", latency_json(log.imu_to_pose)},
                        {"exposure_to_fused", latency_json(log.exposure_to_fused)}}},
+                     {"self_calibration",
+                      {{"time_corrected_s", to_seconds(log.camera_correction)},
+                       {"time_left_s", log.calibration.time_s},
+                       {"time_sigma_s", log.calibration.time_sigma_s},
+                       {"turn_B_rad", vector_json(log.calibration.turn_B)},
+                       {"turn_sigma_B_rad", vector_json(log.calibration.turn_sigma_B)}}},
                      {"pose_spacing_ms", latency_json(result.pose_spacing)},
                      {"keyframes", log.keyframes.size()},
                      {"points", log.points.size()},

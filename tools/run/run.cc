@@ -36,6 +36,7 @@ struct Options {
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
+  std::string estimate;
 };
 
 App app;  // static memory, as on the device
@@ -49,7 +50,7 @@ void prepare_record_folder(const std::string& folder) {
   bsp::set_storage_directory(folder.c_str());
 }
 
-void print_result(const Options& options, const RunResult& r) {
+void print_result(const Options& options, const RunLog& log, const RunResult& r) {
   std::printf("%zu frames, %.1f s: %zu tracked, %zu lost, %zu before the start, %zu dropped\n",
               r.frames_in, r.duration_s, r.frames_tracked, r.frames_lost, r.frames_before_start,
               r.frames_dropped);
@@ -59,12 +60,20 @@ void print_result(const Options& options, const RunResult& r) {
   }
   std::printf("  (p99 %.2f)\n", r.timing.back().p99);
   if (r.evaluation.ok) std::printf("%s\n", to_line(r.evaluation).c_str());
+  for (const std::string& news : log.calibration_news) {
+    if (!news.empty()) std::printf("%s\n", news.c_str());
+  }
+  if (!options.estimate.empty()) {
+    std::printf("the cameras' offset was corrected by %.2f ms (sigma %.2f)\n",
+                1e3 * to_seconds(log.camera_correction), 1e3 * log.calibration.time_sigma_s);
+  }
   std::printf("written to %s\n", options.out.c_str());
 }
 
 int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
+  if (!options.estimate.empty()) params.tracking.tracker.estimate_time = 1;
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
@@ -105,7 +114,7 @@ int run(const Options& options, const std::string& command) {
   out.write("report.html", make_report(info, recording, log, result, rejected));
   if (options.trace) out.write("trace.json", trace_json());
   out.commit();
-  print_result(options, result);
+  print_result(options, log, result);
   if (!result.done) std::fprintf(stderr, "pirvs: tracking was lost at the end\n");
   return result.exit_status();
 }
@@ -141,6 +150,9 @@ std::function<int()> declare_run(CLI::App& app) {
                "also write trace.json: when each task ran, in the last seconds");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
+  app.add_option("--estimate", o->estimate,
+                 "time: the cameras' time offset is estimated and corrected while tracking")
+      ->check(CLI::IsMember({"time"}));
   app.add_option("--fault", o->faults, "SPEC, inject a fault into the input; repeatable, see below")
       ->allow_extra_args(false);
   app.add_option("--record", o->record,

@@ -43,6 +43,9 @@ struct RunLog {
   std::vector<Count> counters;
   std::vector<Count> pools;  // bytes
   LatencySummary imu_to_pose, exposure_to_fused;
+  SelfCalibration::Estimate calibration;  // what the calibration's values have left over
+  std::string calibration_news[2];        // time and turn, or empty
+  TimeNs camera_correction = 0;           // --estimate time: on top of the calibration's offset
 
   explicit RunLog(size_t frames_expected);
   AppSinks sinks();
