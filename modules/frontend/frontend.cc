@@ -12,7 +12,7 @@ namespace {
 
 constexpr float kDetectMargin_px = 20.0f;  // what describe() reads around a point
 constexpr size_t kSearchesPerTrack = 4;
-constexpr int kBinStride = 613;  // prime, so that all bins are visited
+constexpr int kBinStride = 613;               // prime, so that all bins are visited
 constexpr float kResidualAlways_grey = 4.0f;  // that a good track may have in the sharpest image
 constexpr float kLookResidualAlways_grey = 6.0f;  // the same against its first look
 constexpr float kFollowMargin_px = 10.0f;  // half a flow patch, its gradients and interpolation
