@@ -69,6 +69,10 @@ void set_core(int index, const CoreSetup& setup) {
   if (index == 0) apply(setup);
 }
 
+void leave_cores() {
+  if (any_cpu_known) apply(CoreSetup{});
+}
+
 const char* core_refusals() { return refusal; }
 
 Status start_core(int index, void (*entry)(void*), void* argument) {
