@@ -22,6 +22,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/cores.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/text_file.h"
 #include "core/base/text.h"
@@ -241,17 +242,9 @@ bool read_device_calibration() {
 
 // ---- the machine -------------------------------------------------------------------------------
 
-// Others go first when memory runs out. Without the right to say so it is as any program.
-void ask_not_to_be_killed() {
-  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-  if (fd < 0) return;
-  (void)!write(fd, "-900", 4);
-  close(fd);
-}
-
 void take_the_machine() {
   if (!settings.realtime) return;
-  ask_not_to_be_killed();
+  bsp::ask_not_to_be_killed();
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     say("memory not locked", "it needs CAP_IPC_LOCK or RLIMIT_MEMLOCK");
   }

@@ -1,12 +1,12 @@
-// The robot's link (modules/link) on a wire of Linux: datagrams, a serial line, or both ends of one.
+// The robot's link (modules/link) on a wire of Linux: datagrams, a serial line, or both at once.
 // In      open(): where to, and the stack. health(), answer(): what the stack tells, from core 0.
 //         Then either start_thread(), or poll() again and again from one core, with its clock.
 // Out     Frames to the wire; fixes, wheels and commands to the stack.
-// Errors  open: nullptr, or why not. Nothing waits for the other side: a frame for which there is no
-//         room is dropped and counted; a serial frame that has begun is ended before another one
-//         begins. A tty or a network that is not there is looked for every kRetry_ns. Datagrams of
-//         others than the robot's address are refused and counted. Whoever floods is heard
-//         kBytesAtOnce bytes a millisecond; the rest the kernel drops.
+// Errors  open, start_thread: nullptr, or why not. Nothing waits for the other side: a frame for
+//         which there is no room is dropped and counted; a serial frame that has begun is ended
+//         before another one begins. A tty or a network that is not there is looked for every
+//         kRetry_ns. Datagrams of others than the robot's address are refused and counted. Whoever
+//         floods is heard kBytesAtOnce bytes a millisecond; the rest the kernel drops.
 // Cost    A thread of its own, as urgent as any program and no more, that wakes twice as often as
 //         the IMU while poses come: a question for the time is answered within ~0.1 ms, whatever
 //         the cores of the stack do. 80 kB with its ring of poses. No heap.

@@ -1,5 +1,4 @@
-// A serial line of Linux as raw bytes: a UART, or /dev/ttyGS0 of the USB gadget. It may not be there
-// yet.
+// A serial line of Linux as raw bytes: a UART, or /dev/ttyGS0 of the USB gadget.
 // In      Its path; its speed, 0: as it is set.
 // Out     A descriptor that never waits, -1: it cannot be opened now. A read gives EAGAIN for
 //         nothing, and 0 for a tty that is gone.

@@ -143,4 +143,12 @@ void RobotOutput::close() {
   if (fault_ != nullptr) throw InputError(fault_, where_, "close other programs");
 }
 
+void RobotOutput::add_counters(std::vector<Count>& out) const {
+  const auto add = [&out](const char* name, uint32_t value) {
+    out.push_back({std::string("link.") + name, value});
+  };
+  if (settings_.has_udp) return wire_.for_each_counter(add);
+  for_each_counter(link_.counters(), kLinkRows, add);
+}
+
 }  // namespace pirvs::tools

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "board/linux/robot_link.h"
+#include "tools/run/run_log.h"
 
 namespace pirvs::tools {
 
@@ -28,7 +29,8 @@ class RobotOutput {
   void tap(AppSinks& sinks);
   void open(App& app, const ImuNoise& noise);
   void after_step();
-  void close();  // InputError: what could not be written
+  void close();                                      // InputError: what could not be written
+  void add_counters(std::vector<Count>& out) const;  // link.*
 
  private:
   void write_file();

@@ -113,6 +113,7 @@ int run(const Options& options, const std::string& command) {
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   log.finish(app);
+  if (robot) robot->add_counters(log.counters);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
   write_run_files(out, info, recording, log, result, rejected);
