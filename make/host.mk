@@ -106,10 +106,17 @@ test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
 	$(SAN_OPTIONS) $(OUT_TESTED)/tests --gtest_brief=1 \
 	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
 
+# The other side of the robot's link, which shares no code with ours; fetched once.
+LINK_CLIENT := $(BUILD)/link/node_modules/.package-lock.json
+$(LINK_CLIENT): tests/link/package.json tests/link/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/link && cp $^ $(BUILD)/link
+	@cd $(BUILD)/link && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
+	@touch $@
+
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
-	$(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
+	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
@@ -161,9 +168,9 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 	@mkdir -p $(@D)
 	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
 
-# All that is fetched besides packages of this machine, 400 MB; else each comes when it is wanted.
+# All that is fetched besides packages of this machine, 470 MB; else each comes when it is wanted.
 .PHONY: fetch
-fetch: $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+fetch: $(LINK_CLIENT) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200

@@ -320,6 +320,9 @@ void Link::execute(const CommandLong& message, const Frame& frame) {
     command.kind = CommandKind::kReset;
   } else if (message.command == kCommandSetPose) {
     if (!has_pose_) return acknowledge(asked, kTemporarilyRejected);
+    // The stack turns the heading of the IMU's x axis.
+    constexpr double kUpright = 0.87;  // within 30 degrees of the vertical
+    if (std::fabs(newest_.state.T_WB.R(2, 0)) > kUpright) return acknowledge(asked, kDenied);
     command = set_pose_command(message);
   } else {
     return acknowledge(asked, kUnsupported);
@@ -341,7 +344,7 @@ void Link::execute(const CommandLong& message, const Frame& frame) {
 }
 
 // Parameters 1 to 4: place in m in L, heading of the vehicle in degrees, clockwise; NaN: as it is.
-// The stack's own command turns the IMU's x axis: by as much as the vehicle is to turn.
+// The IMU is to turn by as much as the vehicle.
 Command Link::set_pose_command(const CommandLong& message) const {
   constexpr double kDegree_rad = kPi / 180;
   const Mat3& R_WB = newest_.state.T_WB.R;

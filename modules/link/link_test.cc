@@ -345,6 +345,15 @@ TEST_F(robot_link, set_pose_puts_the_vehicle_where_it_is_told_to_be) {
   }
 }
 
+TEST_F(robot_link, an_imu_whose_x_axis_points_up_has_no_heading_to_set) {
+  Pose pose;
+  pose.state.T_WB.R = so3_exp(Vec3(0.1, -1.5, 0));
+  link_.pose(pose);
+  say(0, ask(kCommandSetPose));
+  EXPECT_TRUE(commands_.empty());
+  EXPECT_EQ(heard<CommandAck>().at(0).result, kDenied);
+}
+
 // ---- the robot's sensors -----------------------------------------------------------------------
 
 GpsRawInt some_fix() {
