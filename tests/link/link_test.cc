@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include <atomic>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -20,6 +21,7 @@
 #include "modules/link/link.h"
 #include "modules/testing.h"
 #include "tests/recordings.h"
+#include "tools/dataset/trajectory.h"
 
 namespace pirvs::systems {
 namespace {
@@ -221,6 +223,49 @@ TEST(link, no_gap_over_a_whole_recording_in_real_time) {
   expect_a_whole_talk(talked.client);
   EXPECT_GT(talked.client["odometry"], 1'400);
   EXPECT_LE(talked.client["arrival_gap_ms_max"], 100);
+}
+
+// The block of docs/integration.md, as it stands there but for the port.
+std::string documented_client(int port) {
+  const std::string page = content("docs/integration.md"), begin = "```python\n";
+  const size_t from = page.find(begin) + begin.size();
+  std::string text = page.substr(from, page.find("```\n", from) - from);
+  const std::string documented = "14550";
+  text.replace(text.find(documented), documented.size(), std::to_string(port));
+  return text;
+}
+
+TEST(link, the_client_of_the_documentation_reads_poses) {
+  const std::string folder = scratch_folder("link_client");
+  const int port = free_port();
+  std::ofstream(folder + "/client.py") << documented_client(port);
+  const std::string options =
+      "--realtime --cores 2 --mavlink udp:127.0.0.1:" + std::to_string(port);
+  said_by("python3 " + folder + "/client.py > " + folder + "/said & client=$!; sleep 0.5; " +
+          pirvs_run(simulated(SimulatedDevice::kIronsides).folder, folder + "/run", options) +
+          "; status=$?; sleep 0.2; kill $client; exit $status");
+  const tools::Trajectory truth = tools::read_trajectory(folder + "/run/trajectory.tum");
+  std::istringstream said(content(folder + "/said"));
+  size_t lines = 0, compared = 0, at = 0;
+  int64_t usec = 0;
+  double p[3], q[4];
+  int resets = 0, quality = 0;
+  while (said >> usec >> p[0] >> p[1] >> p[2] >> q[0] >> q[1] >> q[2] >> q[3] >> resets >>
+         quality) {
+    ++lines;
+    EXPECT_GE(quality, 1);
+    const TimeNs t = usec * 1000;
+    while (at + 1 < truth.poses.size() && truth.poses[at].t < t) ++at;
+    if (std::abs(truth.poses[at].t - t) > 3'000'000) continue;
+    ++compared;
+    const Vec3& p_WB = truth.poses[at].p_WB;
+    EXPECT_LT((p_WB - Vec3(p[0], -p[1], -p[2])).norm(), 0.05) << usec;
+    const Vec4& xyzw = truth.poses[at].q_WB;
+    const double cosine_of_half = xyzw(3) * q[0] + xyzw(0) * q[1] - xyzw(1) * q[2] - xyzw(2) * q[3];
+    EXPECT_GT(std::abs(cosine_of_half), 0.999) << usec;
+  }
+  EXPECT_GT(lines, 200u);
+  EXPECT_GT(compared, 50u);
 }
 
 // ---- what the other side does costs nothing ----------------------------------------------------
