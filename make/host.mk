@@ -134,7 +134,7 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 
 PROF_PLUGIN := $(BUILD)/prof/plugin.so
 IN_TURN := $(if $(ONE_BY_ONE),test-system)
-test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
+test-emulator: $(OUT)/emulator_tests $(OUT)/pirvs $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
 	@$(MAKE) -s BOARD=qemu-virt all
 	@$(MAKE) -s BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json

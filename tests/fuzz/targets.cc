@@ -288,7 +288,7 @@ void typed_text(const uint8_t* data, size_t size) {
   }
 }
 
-// Guessing checksums would keep the fuzzer busy for ever: a kind, a size and a payload become a frame.
+// Guessing checksums would keep the fuzzer busy for ever: kind, size and payload make a frame.
 std::vector<uint8_t> right_frames(const uint8_t* data, size_t size) {
   using namespace pirvs::mavlink;
   constexpr MessageKind kKinds[] = {Heartbeat::kKind,  GpsRawInt::kKind, CommandLong::kKind,

@@ -16,14 +16,10 @@ namespace {
 
 constexpr const char* kUdp = "udp:";
 
-// Of the newest pose or frame; App's clock where nothing else is one.
-std::atomic<TimeNs> newest_t{0};
+// Of the newest frame: the clock where nothing else is one.
+std::atomic<TimeNs> frame_t{0};
 
-TimeNs newest_time() { return newest_t; }
-
-void note_time(TimeNs t) {
-  if (t > newest_t) newest_t = t;
-}
+TimeNs frame_time() { return frame_t; }
 
 bsp::Endpoint endpoint(const std::string& device) {
   constexpr const char* kWhatToDo = "say where the robot listens, as udp:127.0.0.1:14550";
@@ -68,14 +64,15 @@ void RobotOutput::tap(AppSinks& sinks) {
   sinks.context = this;
   sinks.frame = [](void* self, const FrameReport& report) {
     auto& output = *static_cast<RobotOutput*>(self);
-    note_time(report.t);
+    if (report.t > frame_t) frame_t = report.t;
+    output.to_file_.frame(report.t);
     output.started_ = true;
     output.tapped_.frame(output.tapped_.context, report);
   };
   sinks.health = [](void* self, TimeNs t, HealthState state, const char* what) {
     auto& output = *static_cast<RobotOutput*>(self);
     output.wire_.health(state, what);
-    if (output.consumer_ >= 0) output.link_.health(state, what);
+    if (output.to_file_.is_open()) output.to_file_.link().health(state, what);
     output.tapped_.health(output.tapped_.context, t, state, what);
   };
   sinks.answer = [](void* self, const Answer& answer) {
@@ -92,50 +89,37 @@ void RobotOutput::tap(AppSinks& sinks) {
 }
 
 void RobotOutput::open(App& app, const ImuNoise& noise) {
-  app_ = &app;
-  newest_t = 0;
+  frame_t = 0;
   if (settings_.has_udp) {
     const char* const why =
-        wire_.open(settings_, noise, app, real_time_ ? bsp::replay_now : newest_time);
+        wire_.open(settings_, noise, app, real_time_ ? bsp::replay_now : frame_time);
     if (why != nullptr) throw InputError(why, where_, "take fewer outputs");
     return;
   }
-  const Result<int> consumer = app.poses().attach();
-  if (!consumer.ok()) throw InputError("too many take poses", where_, "take fewer outputs");
-  consumer_ = consumer.value();
   const auto send = [](void* self, const uint8_t* frame, size_t size) {
-    auto& file = static_cast<RobotOutput*>(self)->file_;
-    const auto usec = static_cast<uint64_t>(newest_time()) / 1000;
+    auto& output = *static_cast<RobotOutput*>(self);
+    const auto usec = static_cast<uint64_t>(output.to_file_.now()) / 1000;
     char stamp[8];
     for (int i = 0; i < 8; ++i) stamp[i] = static_cast<char>(usec >> (56 - 8 * i) & 0xFF);
-    file.write(stamp, sizeof stamp);
-    file.write(reinterpret_cast<const char*>(frame), static_cast<std::streamsize>(size));
-    return file.good();
+    output.file_.write(stamp, sizeof stamp);
+    output.file_.write(reinterpret_cast<const char*>(frame), static_cast<std::streamsize>(size));
+    return output.file_.good();
   };
-  link_.configure(settings_.link, noise, {}, {this, send});
-}
-
-void RobotOutput::write_file() {
-  while (const Pose* const pose = app_->poses().next(consumer_)) {
-    note_time(pose->state.t);
-    link_.pose(*pose);
-  }
-  if (started_) link_.poll(newest_time());
+  const Status status = to_file_.open(settings_.link, noise, {}, {this, send}, app.poses());
+  if (status != Status::kOk) throw InputError("too many take poses", where_, "take fewer outputs");
 }
 
 // The clock of a recording in real time is known once it plays.
 void RobotOutput::after_step() {
-  if (consumer_ >= 0) return write_file();
+  if (to_file_.is_open()) return to_file_.poll();
   if (!started_) return;
   if (!real_time_) return wire_.poll();
   if (!wire_.runs() && fault_ == nullptr) fault_ = wire_.start_thread();
 }
 
 void RobotOutput::close() {
-  if (consumer_ >= 0) {
-    write_file();
-    app_->poses().detach(consumer_);
-    consumer_ = -1;
+  if (to_file_.is_open()) {
+    to_file_.close();
     file_.close();
     if (!file_) throw InputError("cannot write", where_, "check the space");
   }
@@ -148,7 +132,7 @@ void RobotOutput::add_counters(std::vector<Count>& out) const {
     out.push_back({std::string("link.") + name, value});
   };
   if (settings_.has_udp) return wire_.for_each_counter(add);
-  for_each_counter(link_.counters(), kLinkRows, add);
+  for_each_counter(to_file_.link().counters(), kLinkRows, add);
 }
 
 }  // namespace pirvs::tools

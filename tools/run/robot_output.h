@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "board/linux/robot_link.h"
+#include "modules/link/replay_link.h"
 #include "tools/run/run_log.h"
 
 namespace pirvs::tools {
@@ -33,20 +34,16 @@ class RobotOutput {
   void add_counters(std::vector<Count>& out) const;  // link.*
 
  private:
-  void write_file();
-
   std::string where_;
   board::LinkSettings settings_;
   bool real_time_;
   bool started_ = false;         // a frame has come
   const char* fault_ = nullptr;  // of the thread
   AppSinks tapped_;
-  App* app_ = nullptr;
   board::RobotLink wire_;
 
   std::ofstream file_;
-  Link link_;  // to the file
-  int consumer_ = -1;
+  ReplayLink to_file_;
 };
 
 }  // namespace pirvs::tools
