@@ -192,14 +192,21 @@ void Link::pose(const Pose& pose) {
   }
 }
 
+// A text longer than a message comes in parts of one id; a zero ends the last one.
 void Link::health(HealthState state, const char* what) {
   health_ = state;
-  StatusText out;
-  out.severity = severity_of(state);
-  Text<StatusText::kTextMax + 1> text;
+  Text<128> text;
   text.put("PIRVS ").put(name(state)).put(": ").put(what);
-  std::memcpy(out.text, text.c_str(), text.size());
-  (void)send(out);
+  const bool whole = text.size() <= StatusText::kTextMax;
+  if (!whole && ++text_id_ == 0) ++text_id_;  // 0: there is one part
+  for (size_t at = 0; at == 0 || (!whole && at <= text.size()); at += StatusText::kTextMax) {
+    StatusText out;
+    out.severity = severity_of(state);
+    out.id = whole ? uint16_t{0} : text_id_;
+    out.chunk_seq = static_cast<uint8_t>(at / StatusText::kTextMax);
+    std::memcpy(out.text, text.c_str() + at, std::min(text.size() - at, StatusText::kTextMax));
+    (void)send(out);
+  }
 }
 
 void Link::poll(TimeNs now) {

@@ -113,6 +113,7 @@ class Link {
   PeerClock peer_clock_;
   RobotSensors sensors_;
   HealthState health_ = HealthState::kInitializing;
+  uint16_t text_id_ = 0;  // of the last text in parts
   Pose newest_;
   bool has_pose_ = false;
   TimeNs pose_t_ = kNever, heartbeat_t_ = kNever, ask_t_ = kNever;  // of the next ones

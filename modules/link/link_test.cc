@@ -245,10 +245,17 @@ TEST_F(robot_link, beats_once_a_second_and_says_how_it_is) {
   link_.health(HealthState::kLost, "no images, and this is more text than a status text holds");
   link_.poll(20 * kSecond);
   EXPECT_EQ(heard<Heartbeat>().back().system_status, kStateCritical);
-  const StatusText text = heard<StatusText>().at(0);
-  EXPECT_EQ(text.severity, kCritical);
-  EXPECT_EQ(std::string(text.text, 27), "PIRVS lost: no images, and ");
-  EXPECT_NE(text.text[49], 0) << "cut, and without an end";
+  link_.health(HealthState::kTracking, "found");
+  const auto texts = heard<StatusText>();
+  ASSERT_EQ(texts.size(), 3u);
+  EXPECT_EQ(texts[0].severity, kCritical);
+  EXPECT_EQ(std::string(texts[0].text, 50) + texts[1].text,
+            "PIRVS lost: no images, and this is more text than a status text holds");
+  EXPECT_EQ(texts[0].id, texts[1].id);
+  EXPECT_NE(texts[0].id, 0);
+  EXPECT_EQ(texts[1].chunk_seq, 1);
+  EXPECT_STREQ(texts[2].text, "PIRVS tracking: found");
+  EXPECT_EQ(texts[2].id, 0);
 }
 
 TEST_F(robot_link, tells_the_time_to_whoever_asks) {

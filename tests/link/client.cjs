@@ -234,7 +234,10 @@ function live(port) {
       ++out.heartbeats;
       see(out.states, m.systemStatus);
     },
-    STATUSTEXT(m) { out.texts.push(m.text); },
+    STATUSTEXT(m) {
+      if (m.chunkSeq > 0) out.texts[out.texts.length - 1] += m.text;
+      else out.texts.push(m.text);
+    },
   };
   const input = decoder((name, message) => take[name]?.(message), () => ++out.checksums_wrong);
   const start = setTimeout(finish, kStart_ms);
