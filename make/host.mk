@@ -72,9 +72,11 @@ FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
 CLANGXX ?= clang++
 
 TOOLS := -isystem /usr/include/opencv4
+# What idlc makes of ROS's types.
+IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
@@ -115,8 +117,14 @@ $(LINK_CLIENT): tests/link/package.json tests/link/package-lock.json | $(BUILD)/
 	@cd $(BUILD)/link && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
 	@touch $@
 
+# A reader of /odom that shares ROS's definition of it with ours, and no more.
+ODOM_READER := $(BUILD)/ros2/odom_reader
+$(ODOM_READER): tests/ros2/odom_reader.c $(IDL)/Odometry.c
+	@mkdir -p $(@D)
+	@gcc -O1 -Wall -Wextra -I$(IDL) $^ -lddsc -o $@
+
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ODOM_READER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
@@ -205,6 +213,15 @@ check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap,
 # objects(tree, sources)
 objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
 
+$(IDL)/Odometry.c: tools/ros2/Odometry.idl | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	@idlc -o $(@D) $<
+$(IDL)/Odometry.h: $(IDL)/Odometry.c
+$(IDL)/Odometry.o: $(IDL)/Odometry.c
+	@gcc -O1 -c $< -o $@
+IDL_USERS := $(OUT)/obj/tools/ros2/odometry_topic.o $(OUT_SAN)/obj/tools/ros2/odometry_topic.o
+$(IDL_USERS): $(IDL)/Odometry.h
+
 LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
 LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
 TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
@@ -223,6 +240,7 @@ SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(
 $(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
 $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
   $(EMULATOR_OBJ) $(DEVICE_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
+$(IDL_USERS): KIND += -isystem $(IDL)
 $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
 
 # What makes an object anew besides its sources: other flags.
@@ -260,10 +278,10 @@ $(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 $(OUT_SAN)/libpirvs.a: $(LIB_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT)/libtools.a: $(TOOL_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT)/libtools.a: $(TOOL_OBJ) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
 
