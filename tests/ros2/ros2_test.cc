@@ -1,4 +1,4 @@
-// `pirvs ros2` against a program that shares the public definition of the type with it, and no more.
+// `pirvs ros2` against a program that shares the type's public definition with it, and no more.
 // In      PIRVS_BUILD (default build): host/pirvs, ros2/odom_reader.
 // Cost    ~8 s.
 #include <gtest/gtest.h>

@@ -4,8 +4,8 @@
 //         domain (ROS_DOMAIN_ID); the address of the network to speak on.
 // Out     A reliable writer, which both kinds of readers match, that keeps the last ten. Type name
 //         and type hash (user data of the writer, since ROS 2 Iron) are those of ROS.
-// Frames  REP 105: `frame` is W, `child` is B. Pose and its covariance in W, rotation about W's fixed
-//         axes; twist and its covariance in B.
+// Frames  REP 105: `frame` is W, `child` is B. Pose and its covariance in W, the attitude's about
+//         W's fixed axes; twist and its covariance in B.
 // Units   m, rad, m/s, rad/s. Stamps: as the device's, or moved by `offset_ns`.
 // Errors  InputError: no such network. A reader that is slow loses its own.
 // Source  ROS 2 design, "Topic and service name mapping to DDS"; REP 103, 105, 2011 (type hashes).
