@@ -46,7 +46,9 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
-  board/linux/settings.cc board/linux/text_commands.cc board/usb/usb_settings.cc modules/door/% \
+  board/linux/settings.cc board/linux/text_commands.cc board/linux/link_settings.cc \
+  board/linux/endpoint_text.cc board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
+  modules/link/% modules/health/% \
   modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
   bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))
@@ -70,9 +72,11 @@ FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
 CLANGXX ?= clang++
 
 TOOLS := -isystem /usr/include/opencv4
+# What idlc makes of ROS's types.
+IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
@@ -106,10 +110,23 @@ test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
 	$(SAN_OPTIONS) $(OUT_TESTED)/tests --gtest_brief=1 \
 	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
 
+# The other side of the robot's link, which shares no code with ours; fetched once.
+LINK_CLIENT := $(BUILD)/link/node_modules/.package-lock.json
+$(LINK_CLIENT): tests/link/package.json tests/link/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/link && cp $^ $(BUILD)/link
+	@cd $(BUILD)/link && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
+	@touch $@
+
+# A reader of /odom that shares ROS's definition of it with ours, and no more.
+ODOM_READER := $(BUILD)/ros2/odom_reader
+$(ODOM_READER): tests/ros2/odom_reader.c $(IDL)/Odometry.c
+	@mkdir -p $(@D)
+	@gcc -O1 -Wall -Wextra -I$(IDL) $^ -lddsc -o $@
+
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ODOM_READER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
-	$(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
+	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
@@ -125,7 +142,7 @@ fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
 
 PROF_PLUGIN := $(BUILD)/prof/plugin.so
 IN_TURN := $(if $(ONE_BY_ONE),test-system)
-test-emulator: $(OUT)/emulator_tests $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
+test-emulator: $(OUT)/emulator_tests $(OUT)/pirvs $(PROF_PLUGIN) $(IN_TURN) ## images in the emulator alone
 	@$(MAKE) -s BOARD=qemu-virt all
 	@$(MAKE) -s BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
@@ -161,9 +178,9 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 	@mkdir -p $(@D)
 	@patch -s -o $@ $(DEVICE)/source/dummy_hcd.c $<
 
-# All that is fetched besides packages of this machine, 400 MB; else each comes when it is wanted.
+# All that is fetched besides packages of this machine, 470 MB; else each comes when it is wanted.
 .PHONY: fetch
-fetch: $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+fetch: $(LINK_CLIENT) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200
@@ -196,6 +213,15 @@ check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap,
 # objects(tree, sources)
 objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
 
+$(IDL)/Odometry.c: tools/ros2/Odometry.idl | $(BUILD)/setup.stamp
+	@mkdir -p $(@D)
+	@idlc -o $(@D) $<
+$(IDL)/Odometry.h: $(IDL)/Odometry.c
+$(IDL)/Odometry.o: $(IDL)/Odometry.c
+	@gcc -O1 -c $< -o $@
+IDL_USERS := $(OUT)/obj/tools/ros2/odometry_topic.o $(OUT_SAN)/obj/tools/ros2/odometry_topic.o
+$(IDL_USERS): $(IDL)/Odometry.h
+
 LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
 LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
 TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
@@ -214,6 +240,7 @@ SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(
 $(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
 $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
   $(EMULATOR_OBJ) $(DEVICE_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
+$(IDL_USERS): KIND += -isystem $(IDL)
 $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
 
 # What makes an object anew besides its sources: other flags.
@@ -251,10 +278,10 @@ $(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 $(OUT_SAN)/libpirvs.a: $(LIB_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT)/libtools.a: $(TOOL_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT)/libtools.a: $(TOOL_OBJ) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
 

@@ -6,6 +6,7 @@
 //           semihosting     somebody keeps our files and wants an exit code
 //           profile         also say what each task took (board/bare/profile.h)
 //           group.name=X    sets a parameter, as --set of pirvs run does (pirvs params --all)
+//           link            also says the poses in MAVLink, on the console's line (robot_link.h)
 //           bench           single kernels on two images of the recording instead (bench.h)
 //           fault=KIND      null, stack, hang or assert: do that at a frame, to see the report
 //           fault_at=N      at which (default 20); fault_core=N on that core, one at rest
@@ -20,6 +21,7 @@
 #include "board/bare/fault_injection.h"
 #include "board/bare/pin_watch.h"
 #include "board/bare/profile.h"
+#include "board/bare/robot_link.h"
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/cycles.h"
@@ -67,6 +69,7 @@ void say(TextWriter& line) {
 }
 
 void on_frame(void*, const FrameReport& report) {
+  robot_link_frame(report.t);
   Text<256> line;
   if (report.has_pose) {
     put_tum(line, report.t, report.pose.state.T_WB);
@@ -90,6 +93,7 @@ void on_frame(void*, const FrameReport& report) {
 }
 
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
+  robot_link_health(state, what);
   Text<128> line;
   line.put("health ").fixed(to_seconds(t), kMicros).put(' ').put(name(state)).put(", ").put(what);
   say(line);
@@ -284,13 +288,20 @@ int application() {
   AppSinks sinks;
   sinks.frame = on_frame;
   sinks.health = on_health;
-  app.configure(calibration_of(run.pack), params, sinks);
+  sinks.answer = [](void*, const Answer& answer) { robot_link_answer(answer); };
+  const Calibration calibration = calibration_of(run.pack);
+  app.configure(calibration, params, sinks);
   app.pace(free && cores > 1 ? fast_may_go_on : lockstep_may_go_on);
   const bool profiled = bsp::boot_argument("profile");
   if (profiled) profile_start();
   const bsp::Cycles before = bsp::read_cycles();
   const TimeNs begin = bsp::now();
-  const Status status = app.run(kPlans[cores - 1], cores == 1 ? Drive::kLockstep : Drive::kTimed);
+  const bool linked =
+      bsp::boot_argument("link") && robot_link_open(app, calibration.imu) == Status::kOk;
+  const Drive drive = cores == 1 ? Drive::kLockstep : Drive::kTimed;
+  const AfterStep after_step = {nullptr, linked ? robot_link_poll : nullptr};
+  const Status status = app.run(kPlans[cores - 1], drive, after_step);
+  robot_link_close();
   const bsp::Cycles after = bsp::read_cycles();
   const TimeNs end = bsp::now();
   close_files();

@@ -13,6 +13,7 @@
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
 #include "board/linux/recordings.h"
+#include "board/linux/robot_link.h"
 #include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
 #include "board/linux/stream_output.h"
@@ -21,6 +22,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
+#include "bsp/linux/cores.h"
 #include "bsp/linux/events.h"
 #include "bsp/linux/text_file.h"
 #include "core/base/text.h"
@@ -57,6 +59,7 @@ StreamOutput stream_output;
 Watchdog watchdog;
 Recordings recordings;
 SerialLink serial;
+RobotLink robot;
 ImageShare images;
 Calibration calibration;
 char config_text[kSettingsTextMax];
@@ -89,6 +92,7 @@ void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 void on_answer(void*, const Answer& answer) {
   recordings.answer(answer);
   serial.answer(answer);
+  robot.answer(answer);
 }
 
 TimeNs frame_taken_t = INT64_MIN / 2;  // on our clock
@@ -116,6 +120,7 @@ void on_pps(void*, const bsp::Pps& pps) { stream_output.pps(pps); }
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   pins.health(state);
   stream_output.health(t, state, what);
+  robot.health(state, what);
   constexpr int kMillis = 3;
   Text<192> line;
   line.put("pirvsd: ").fixed(to_seconds(t), kMillis).put(' ').put(name(state)).put(", ").put(what);
@@ -237,17 +242,9 @@ bool read_device_calibration() {
 
 // ---- the machine -------------------------------------------------------------------------------
 
-// Others go first when memory runs out. Without the right to say so it is as any program.
-void ask_not_to_be_killed() {
-  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
-  if (fd < 0) return;
-  (void)!write(fd, "-900", 4);
-  close(fd);
-}
-
 void take_the_machine() {
   if (!settings.realtime) return;
-  ask_not_to_be_killed();
+  bsp::ask_not_to_be_killed();
   if (mlockall(MCL_CURRENT | MCL_FUTURE) != 0) {
     say("memory not locked", "it needs CAP_IPC_LOCK or RLIMIT_MEMLOCK");
   }
@@ -353,6 +350,7 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
                    [](const char* name, uint32_t value) { named("serial", name, value); });
   for_each_counter(images.counters(), kImageShareRows,
                    [](const char* name, uint32_t value) { named("images", name, value); });
+  robot.for_each_counter([](const char* name, uint32_t value) { named("link", name, value); });
   named("output", "lines", poses.written());
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
@@ -397,6 +395,11 @@ void start_links() {
   const auto command = [](void*, const Command& command) { return app.command(command); };
   serial.configure(settings.serial.text, {nullptr, command, put_counters});
   if (serial.wanted()) poses.also([](const TextWriter& line) { serial.pose(line); });
+  if (settings.link.is_wanted()) {
+    const char* why = robot.open(settings.link, calibration.imu, app, bsp::now);
+    if (why == nullptr) why = robot.start_thread();
+    if (why != nullptr) say("link", why);
+  }
   if (settings.images.text[0] == 0) return;
   const Camera& camera = calibration.camera[0];
   const Status status =
@@ -406,6 +409,7 @@ void start_links() {
 
 void end_links() {
   serial.close();
+  robot.close();
   images.close();
 }
 

@@ -1,11 +1,11 @@
 #include "board/linux/serial_link.h"
 
 #include <errno.h>
-#include <fcntl.h>
-#include <termios.h>
 #include <unistd.h>
 
 #include <algorithm>
+
+#include "bsp/linux/tty.h"
 
 namespace pirvs::board {
 
@@ -17,16 +17,8 @@ void SerialLink::configure(const char* path, const SerialStack& stack) {
 // ---- coming and going --------------------------------------------------------------------------
 
 bool SerialLink::open() {
-  fd_ = ::open(path_, O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  fd_ = bsp::tty_open(path_, 0);
   if (fd_ < 0) return false;
-  termios line{};
-  if (tcgetattr(fd_, &line) == 0) {  // what is no tty needs no mode
-    cfmakeraw(&line);
-    line.c_cc[VMIN] = 1;  // read says EAGAIN for nothing, and 0 for a tty that is gone
-    line.c_cc[VTIME] = 0;
-    line.c_cflag |= CLOCAL;
-    (void)tcsetattr(fd_, TCSANOW, &line);
-  }
   reader_.clear();
   waiting_.clear();
   waiting_from_ = 0;

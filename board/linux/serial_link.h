@@ -7,7 +7,7 @@
 //         counted; a line that has begun is ended before another one begins. A tty that is gone is
 //         looked for again every kRetry_ns.
 // Cost    A system call a line, and one every kRead_ns to see what was typed. No heap.
-// Source  termios(3); Linux, drivers/usb/gadget/function/u_serial.c: unplugged, its tty hangs up.
+// Source  Linux, drivers/usb/gadget/function/u_serial.c: unplugged, its tty hangs up.
 #pragma once
 
 #include "board/linux/text_commands.h"

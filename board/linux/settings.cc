@@ -4,13 +4,15 @@
 #include <cstring>
 #include <iterator>
 
+#include "board/linux/endpoint_text.h"
+#include "board/linux/link_settings.h"
 #include "board/usb/usb_settings.h"
 
 namespace pirvs::board {
 namespace {
 
 constexpr TimeNs kMicro = 1'000, kMilli = 1'000'000;
-constexpr std::string_view kParameter = "parameter.";
+constexpr std::string_view kParameter = "parameter.", kLink = "link.";
 
 template <class Enum>
 struct Choice {
@@ -36,13 +38,6 @@ constexpr Choice<bsp::EdgeKind> kEdges[] = {{"rising", bsp::EdgeKind::kRising},
 constexpr Choice<bool> kSyncIns[] = {{"event", false}, {"pps", true}};
 
 // Each reads a value: nullptr, or what is wrong with it.
-const char* read_text(std::string_view value, SettingText& out) {
-  if (value.size() >= sizeof out.text) return "longer than 95 bytes";
-  std::memcpy(out.text, value.data(), value.size());
-  out.text[value.size()] = 0;
-  return nullptr;
-}
-
 template <class Enum, size_t N>
 bool read_choice(std::string_view value, const Choice<Enum> (&choices)[N], Enum& out) {
   for (const Choice<Enum>& choice : choices) {
@@ -188,32 +183,6 @@ const char* read_delay(std::string_view value, Settings& out) {
   if (!read_whole(value, 0, 8, images)) return "not a number of images from 0 to 8";
   for (auto& camera : out.stereo.camera) camera.control_delay = static_cast<int>(images);
   return nullptr;
-}
-
-// 192.168.7.2:14550
-const char* read_endpoint(std::string_view value, bsp::Endpoint& out) {
-  constexpr const char* kWrong = "not an address and a port, as 192.168.7.2:14550";
-  uint32_t address = 0;
-  const char* at = value.data();
-  const char* const end = at + value.size();
-  for (int i = 0; i < 5; ++i) {
-    const char* stop = at;
-    while (stop < end && *stop != '.' && *stop != ':') ++stop;
-    int64_t part = 0;
-    if (!read_whole({at, static_cast<size_t>(stop - at)}, i == 4 ? 1 : 0, i == 4 ? 65'535 : 255,
-                    part)) {
-      return kWrong;
-    }
-    if (i == 4) {
-      if (stop != end) return kWrong;
-      out = {address, static_cast<uint16_t>(part)};
-      return nullptr;
-    }
-    if (stop == end || *stop != (i == 3 ? ':' : '.')) return kWrong;
-    address = address << 8 | static_cast<uint32_t>(part);
-    at = stop + 1;
-  }
-  return kWrong;
 }
 
 const char* read_poses_to(std::string_view value, Settings& out) {
@@ -379,6 +348,8 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   for (const Key& known : kKeys) {
     if (key == known.name) return known.read(value, settings);
   }
+  const std::string_view link = behind(key, kLink);
+  if (!link.empty()) return set_link_setting(settings.link, link, value);
   if (is_usb_key(key)) {
     UsbSettings usb;  // pirvs-usb's: here for their faults alone
     return set_usb_setting(usb, key, value);
@@ -409,6 +380,8 @@ void finish_settings(Settings& settings) {
 }
 
 namespace {
+
+bool same(const SettingText& a, const SettingText& b) { return std::strcmp(a.text, b.text) == 0; }
 
 ConfigFault find_trigger_fault(const Settings& settings) {
   if (!triggers(settings)) return {};
@@ -442,6 +415,12 @@ ConfigFault find_missing(const Settings& settings) {
   if (settings.record.text[0] != 0 && settings.recordings.text[0] != 0) {
     return {0, "record names their folder already", "recordings"};
   }
+  const LinkSettings& link = settings.link;
+  if (link.serial.text[0] != 0 && same(link.serial, settings.serial)) {
+    return {0, "the text of output.serial goes there", "link.serial"};
+  }
+  if (!link.is_wanted() && link.is_set)
+    return {0, "a link needs a wire", "link.udp or link.serial"};
   return find_trigger_fault(settings);
 }
 

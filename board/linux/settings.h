@@ -31,6 +31,7 @@
 //           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
 //           output.serial = /dev/ttyGS0          the same lines, and commands (text_commands.h)
 //           output.images = /run/pirvs/images    to one other program that asks (image_share.h)
+//           link.NAME = VALUE                    to an autopilot (board/linux/link_settings.h)
 //           usb.NAME = VALUE                     pirvs-usb's (board/usb/usb_settings.h)
 //           output.stream = 192.168.7.1:14560    where to listen for those who want the stream;
 //                                                127.0.0.1: programs of this machine
@@ -55,6 +56,8 @@
 
 #include <string_view>
 
+#include "board/linux/link_settings.h"
+#include "board/linux/setting_text.h"
 #include "board/linux/wiring.h"
 #include "bsp/api/datagram.h"
 #include "bsp/api/gpio.h"
@@ -67,11 +70,6 @@
 namespace pirvs::board {
 
 enum class TextOutput : uint8_t { kPoses, kFrames, kNone };
-
-// A path or a name of the file, with an end.
-struct SettingText {
-  char text[96] = "";
-};
 
 // Roles of the device's pins (board/linux/pins.h); a name that is empty: no such pin.
 struct PinSettings {
@@ -100,6 +98,7 @@ struct Settings {
   SettingText serial, images;
   bool has_stream = false;
   bsp::Endpoint stream;
+  LinkSettings link;
   PinSettings pins;
   SettingText record, recordings;
   bool realtime = true;

@@ -1,8 +1,10 @@
 #include "bsp/linux/cores.h"
 
+#include <fcntl.h>
 #include <pthread.h>
 #include <sched.h>
 #include <time.h>
+#include <unistd.h>
 
 #include <atomic>
 
@@ -67,6 +69,17 @@ void set_core(int index, const CoreSetup& setup) {
   cores[index].setup = setup;
   cores[index].has_setup = true;
   if (index == 0) apply(setup);
+}
+
+void leave_cores() {
+  if (any_cpu_known) apply(CoreSetup{});
+}
+
+void ask_not_to_be_killed() {
+  const int fd = open("/proc/self/oom_score_adj", O_WRONLY | O_CLOEXEC);
+  if (fd < 0) return;
+  (void)!write(fd, "-900", 4);
+  close(fd);
 }
 
 const char* core_refusals() { return refusal; }

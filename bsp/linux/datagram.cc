@@ -46,6 +46,19 @@ Status status_of_errno() {
 
 int datagram_fd(Socket socket) { return fd_of(socket); }
 
+// A connected socket has the address of its way; nothing is sent.
+Result<uint32_t> datagram_address_towards(Endpoint to) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  if (fd < 0) return Status::kFull;
+  sockaddr_in address = posix(to);
+  socklen_t size = sizeof address;
+  const bool known = connect(fd, reinterpret_cast<const sockaddr*>(&address), size) == 0 &&
+                     getsockname(fd, reinterpret_cast<sockaddr*>(&address), &size) == 0;
+  close(fd);
+  if (!known) return Status::kNotFound;
+  return ntohl(address.sin_addr.s_addr);
+}
+
 Result<Socket> datagram_open(Endpoint own) {
   int id = 0;
   while (id < kSocketsMax && fd_plus_1[id] != 0) ++id;

@@ -235,10 +235,11 @@ Status App::finish() {
   return estimator_.tracker().running() ? Status::kOk : Status::kBadData;
 }
 
-Status App::run(const CorePlan& plan, Drive drive) {
+Status App::run(const CorePlan& plan, Drive drive, const AfterStep& after_step) {
   PIRVS_TRY(start(plan, drive));
   for (Status status = Status::kOk; status != Status::kStale;) {
     status = poll();
+    if (after_step.call != nullptr) after_step.call(after_step.context);
     if (status != Status::kEmpty) continue;
     if (!held_) break;  // no more will come
     bsp::wait(0, bsp::now() + kRecorderRest_ns);

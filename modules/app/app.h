@@ -33,6 +33,11 @@ namespace pirvs {
 // all rows in an order that depends on the input alone: the same input, the same bytes.
 enum class Drive : uint8_t { kTimed, kLockstep };
 
+struct AfterStep {
+  void* context = nullptr;
+  void (*call)(void*) = nullptr;
+};
+
 // Life: configure, perhaps record(), pace(), delay_mapping(), then run(), or start, poll until
 // kStale, finish. All of that on one core, which becomes core 0 of the plan.
 // Many methods: life, commands and wiring of the whole device, a line or a few each.
@@ -59,8 +64,9 @@ class App {
   Status poll();
   // Waits for the other cores. kBadData: the run ended before a start.
   Status finish();
-  // The three in one. In lockstep the first kEmpty ends it, too.
-  Status run(const CorePlan& plan, Drive drive);
+  // The three in one, and after each step what else core 0 is there for. In lockstep the first
+  // kEmpty ends it, too.
+  Status run(const CorePlan& plan, Drive drive, const AfterStep& after_step = {});
 
   // Any core. Taken in order with what is sensed, answered by AppSinks::answer. kFull: too many
   // wait.

@@ -65,6 +65,7 @@ MachineRun run_machine(const std::string& board, const std::string& pack,
   MachineRun run;
   run.status = run_shell(command);
   run.console = read(out + "/console.txt");
+  run.line = read(out + "/console.bin");
   run.trajectory = read(out + "/trajectory.tum");
   run.timing = read(out + "/timing.csv");
   return run;

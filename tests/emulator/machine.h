@@ -18,6 +18,7 @@ inline constexpr int kRun_s_max = 120;  // on a machine that others load, too
 struct MachineRun {
   int status = -1;
   std::string console;     // with function and line behind each address of a report
+  std::string line;        // its bytes as they came
   std::string trajectory;  // empty: not written
   std::string timing;
 

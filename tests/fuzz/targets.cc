@@ -22,6 +22,7 @@
 #include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
 #include "modules/door/door.h"
+#include "modules/link/link.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
@@ -287,6 +288,70 @@ void typed_text(const uint8_t* data, size_t size) {
   }
 }
 
+// Guessing checksums would keep the fuzzer busy for ever: kind, size and payload make a frame.
+std::vector<uint8_t> right_frames(const uint8_t* data, size_t size) {
+  using namespace pirvs::mavlink;
+  constexpr MessageKind kKinds[] = {Heartbeat::kKind,  GpsRawInt::kKind, CommandLong::kKind,
+                                    Timesync::kKind,   GpsInput::kKind,  WheelDistance::kKind,
+                                    StatusText::kKind, {30, 39, 28}};
+  std::vector<uint8_t> out;
+  Sender sender;
+  for (size_t at = 0; at + 2 < size;) {
+    MessageKind kind = kKinds[data[at] % std::size(kKinds)];
+    const size_t from = at + 2;
+    kind.size = static_cast<uint8_t>(std::min<size_t>(data[at + 1], size - from));
+    uint8_t payload[kPayloadMax] = {}, frame[kFrameMax];
+    std::memcpy(payload, data + from, kind.size);
+    const size_t bytes = write_frame(kind, payload, sender, frame);
+    out.insert(out.end(), frame, frame + bytes);
+    at = from + kind.size;
+  }
+  return out;
+}
+
+// What an autopilot's line brings: the first byte says in which pieces, and whether as it is or in
+// frames whose checksums are right. Whatever comes, what goes on to the door is finite, and what
+// goes out are whole frames.
+void mavlink(const uint8_t* data, size_t size) {
+  if (size == 0) return;
+  static Link link;
+  static TimeNs now;
+  now = 1'000'000'000;
+  static mavlink::FrameParser out;
+  out.clear();
+  LinkStack stack;
+  stack.command = [](void*, const Command& command) -> Result<uint32_t> {
+    PIRVS_ASSERT(command.kind == CommandKind::kReset || command.kind == CommandKind::kSetPose);
+    return 0;
+  };
+  stack.deliver = [](void*, const Arrival& arrival) {
+    const GnssFix& fix = arrival.gnss;
+    const WheelSample& wheel = arrival.wheel;
+    PIRVS_ASSERT(fix.t <= now && wheel.t <= now && fix.v_ned.allFinite());
+    PIRVS_ASSERT(std::isfinite(fix.latitude_deg + fix.longitude_deg + fix.height_m));
+    PIRVS_ASSERT(std::isfinite(fix.sigma_horizontal_m + fix.sigma_vertical_m));
+    PIRVS_ASSERT(std::isfinite(wheel.value[0]) && std::isfinite(wheel.value[1]));
+    return arrival.kind == ArrivalKind::kGnss ? Status::kOk : Status::kFull;
+  };
+  const auto send = [](void*, const uint8_t* bytes, size_t count) {
+    mavlink::Frame frame;
+    PIRVS_ASSERT(out.push(bytes, count) == count && out.next(frame) && !out.next(frame));
+    return true;
+  };
+  link.configure(LinkSetup{}, ImuNoise{}, stack, {nullptr, send});
+  Pose pose;
+  pose.health = HealthState::kTracking;
+  link.pose(pose);
+  const size_t piece = size_t{data[0]} / 2 + 1;
+  std::vector<uint8_t> bytes(data + 1, data + size);
+  if (data[0] % 2 == 1) bytes = right_frames(data + 1, size - 1);
+  for (size_t at = 0; at < bytes.size(); at += piece, now += 20'000'000) {
+    link.receive(now, bytes.data() + at, std::min(piece, bytes.size() - at));
+    link.poll(now);
+    link.answer({0, CommandKind::kReset, Status::kStale});
+  }
+}
+
 }  // namespace
 
 const Target kTargets[] = {
@@ -302,6 +367,7 @@ const Target kTargets[] = {
     {"device_tree", device_tree},
     {"device_text", device_text},
     {"typed_text", typed_text},
+    {"mavlink", mavlink},
 };
 const size_t kTargetCount = std::size(kTargets);
 

@@ -35,6 +35,7 @@ MODULES = {
     "exposure": [],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
+    "link": ["state", "imu", "health", "output", "door"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder", "stream")

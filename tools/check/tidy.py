@@ -20,6 +20,7 @@ WARNING = re.compile(r"^(.*?):(\d+):\d+: (?:warning|error): (.*)$")
 BARE = ("bsp/bare/", "board/bare/", "board/qemu-virt/", "board/rk3399-bare/")
 BARE_FLAGS = ["--target=aarch64-linux-gnu", "-mcpu=cortex-a72"]
 HOST_FLAGS = ["-march=native"]
+IDL_FLAGS = ["-isystembuild/idl"]  # what make leaves there of tools/ros2
 AARCH64 = "a function BadName for AArch64"  # of the self-test
 
 
@@ -34,7 +35,8 @@ def reached(path, tree, seen=None):
 
 
 def flags_of(path):
-    return FLAGS + (BARE_FLAGS if path.startswith(BARE) else HOST_FLAGS)
+    idl = IDL_FLAGS if path.startswith("tools/ros2/") else []
+    return FLAGS + (BARE_FLAGS if path.startswith(BARE) else HOST_FLAGS) + idl
 
 
 def verdict_name(path, tree):

@@ -29,5 +29,6 @@ extern const Command kListenCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;
+extern const Command kRos2Command;
 
 }  // namespace pirvs::tools

@@ -1,6 +1,6 @@
 // What    Runs an App on a recording, at the pace asked for.
-// In      A configured App, what plays the recording, the plan of cores; in real time also what to
-//         do after each step of core 0, if anything.
+// In      A configured App, what plays the recording, the plan of cores; what else to do after each
+//         step of core 0.
 // Errors  as App::run.
 // Source  docs/adr/0003-lockstep-determinism.md.
 #pragma once
@@ -19,18 +19,16 @@ enum class Playback : uint8_t {
 };
 
 inline Status play(App& app, const bsp::RecordingSource& source, const CorePlan& plan,
-                   Playback playback, const std::function<void(App&)>& after_step = {}) {
+                   Playback playback, const std::function<void()>& after_step = {}) {
   const bool real_time = playback == Playback::kRealTime;
   const bool lockstep = playback == Playback::kLockstep || plan.cores == 1;
   bsp::play(source, real_time ? bsp::ReplayPace::kRealTime : bsp::ReplayPace::kFast);
   if (real_time) app.set_clock(bsp::replay_now);
   if (!real_time) app.pace(lockstep ? lockstep_may_go_on : fast_may_go_on);
-  if (real_time && after_step) {
-    PIRVS_TRY(app.start(plan, Drive::kTimed));
-    while (app.poll() != Status::kStale) after_step(app);
-    return app.finish();
-  }
-  return app.run(plan, !real_time && plan.cores == 1 ? Drive::kLockstep : Drive::kTimed);
+  const auto call = [](void* to) { (*static_cast<const std::function<void()>*>(to))(); };
+  AfterStep after;
+  if (after_step) after = {const_cast<std::function<void()>*>(&after_step), call};
+  return app.run(plan, !real_time && plan.cores == 1 ? Drive::kLockstep : Drive::kTimed, after);
 }
 
 }  // namespace pirvs::tools

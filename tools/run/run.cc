@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "board/host/board.h"
 #include "bsp/api/clock.h"
@@ -18,6 +19,7 @@
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
 #include "tools/run/playback.h"
+#include "tools/run/robot_output.h"
 #include "tools/run/trace_file.h"
 
 namespace pirvs::tools {
@@ -37,6 +39,8 @@ struct Options {
   std::vector<std::string> faults;
   std::string record;
   std::string estimate;
+  std::string mavlink;
+  std::vector<std::string> mavlink_set;
 };
 
 App app;  // static memory, as on the device
@@ -80,6 +84,12 @@ int run(const Options& options, const std::string& command) {
   OutputFolder out(options.out);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
+  AppSinks sinks = log.sinks();
+  std::optional<RobotOutput> robot;
+  if (!options.mavlink.empty()) {
+    robot.emplace(options.mavlink, options.mavlink_set, options.real_time);
+    robot->tap(sinks);
+  }
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -90,7 +100,8 @@ int run(const Options& options, const std::string& command) {
         recording, faults, [&progress](size_t played) { progress.update(played); },
         from_seconds(options.camera_latency_ms * 1e-3));
     if (options.trace) trace_start(bsp::now);
-    app.configure(recording.calibration, params, log.sinks());
+    app.configure(recording.calibration, params, sinks);
+    if (robot) robot->open(app, recording.calibration.imu);
     if (!options.real_time) app.replay_inbox(feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
@@ -101,13 +112,17 @@ int run(const Options& options, const std::string& command) {
                               : options.lockstep ? Playback::kLockstep
                                                  : Playback::kFast;
     if (options.real_time) log.attach(app, recording.imu.size());
-    status = play(app, feed.source(), board::kPlans[options.cores - 1], playback,
-                  [&log](App& running) { log.take_poses(running); });
+    status = play(app, feed.source(), board::kPlans[options.cores - 1], playback, [&] {
+      log.take_poses(app);
+      if (robot) robot->after_step();
+    });
+    if (robot) robot->close();
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
   const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
   log.finish(app);
+  if (robot) robot->add_counters(log.counters);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
   write_run_files(out, info, recording, log, result, rejected);
@@ -157,6 +172,13 @@ std::function<int()> declare_run(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--record", o->record,
                  "also write the input, with its injected faults, as an ASL folder");
+  auto* const mavlink = app.add_option(
+      "--mavlink", o->mavlink,
+      "udp:HOST:PORT or a file, the poses as an autopilot gets them (docs/integration.md)");
+  app.add_option("--mavlink-set", o->mavlink_set,
+                 "name=value, a key of the link: rate_hz, frame, messages, system, mounting_deg")
+      ->allow_extra_args(false)
+      ->needs(mavlink);
   app.footer(fault_help());
   return [o, &app] { return run(*o, command_line(app)); };
 }

@@ -1,0 +1,249 @@
+// The link's wires: datagrams over loopback, and a pseudo terminal that may be pulled.
+#include "board/linux/robot_link.h"
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "bsp/api/clock.h"
+
+namespace pirvs::board {
+namespace {
+
+using namespace mavlink;
+
+constexpr TimeNs kMilli = 1'000'000;
+
+class RobotLinkTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    const Result<bsp::Socket> robot = bsp::datagram_open({});
+    ASSERT_TRUE(robot.ok());
+    robot_ = robot.value();
+    path_ = ::testing::TempDir() + "pirvs_link_tty_" + std::to_string(getpid());
+  }
+  void TearDown() override {
+    link_.close();
+    bsp::datagram_close(robot_);
+    unplug();
+  }
+
+  void open_udp() {
+    LinkSettings settings;
+    settings.has_udp = true;
+    settings.udp.port = bsp::datagram_port(robot_).value();
+    ASSERT_EQ(link_.open(settings, ImuNoise{}, *app_, bsp::now), nullptr);
+  }
+  void open_serial() {
+    LinkSettings settings;
+    ASSERT_EQ(read_text(path_, settings.serial), nullptr);
+    settings.baud = 921'600;
+    ASSERT_EQ(link_.open(settings, ImuNoise{}, *app_, now_of_test), nullptr);
+  }
+  void plug() {
+    host_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
+    ASSERT_GE(host_, 0);
+    ASSERT_EQ(grantpt(host_), 0);
+    ASSERT_EQ(unlockpt(host_), 0);
+    ASSERT_EQ(symlink(ptsname(host_), path_.c_str()), 0);
+  }
+  void unplug() {
+    if (host_ >= 0) close(host_);
+    host_ = -1;
+    unlink(path_.c_str());
+  }
+  static TimeNs now_of_test() { return now_; }
+  void poll_at(TimeNs t) {
+    now_ = t;
+    link_.poll();
+  }
+
+  void publish(TimeNs t) {
+    Pose pose;
+    pose.state.t = t;
+    pose.health = HealthState::kTracking;
+    pose.trust.confidence = 1;
+    app_->poses().publish(pose);
+  }
+  // Frames that have come to the robot, by its socket or its end of the line.
+  std::vector<Frame> heard() {
+    std::vector<Frame> out;
+    uint8_t bytes[bsp::kDatagramMax];
+    size_t size = 0;
+    bsp::Endpoint from;
+    while (bsp::datagram_receive(robot_, bytes, sizeof bytes, size, from) == Status::kOk) {
+      from_ = from;
+      take(bytes, size, out);
+    }
+    for (ssize_t got = 0; host_ >= 0 && (got = read(host_, bytes, sizeof bytes)) > 0;) {
+      take(bytes, static_cast<size_t>(got), out);
+    }
+    return out;
+  }
+  void take(const uint8_t* bytes, size_t size, std::vector<Frame>& out) {
+    for (size_t at = 0; at < size;) {
+      at += parser_.push(bytes + at, size - at);
+      for (Frame frame; parser_.next(frame);) out.push_back(frame);
+    }
+  }
+  template <class Message>
+  int count(const std::vector<Frame>& frames) {
+    int out = 0;
+    for (const Frame& frame : frames) out += frame.id == Message::kKind.id;
+    return out;
+  }
+  template <class Message>
+  void say(const Message& message, bsp::Socket from) {
+    Sender sender{1, 1, 0};
+    uint8_t bytes[kFrameMax];
+    const size_t size = encode(message, sender, bytes);
+    EXPECT_EQ(bsp::datagram_send(from, {bsp::Endpoint{}.address, link_.port()}, bytes, size),
+              Status::kOk);
+  }
+
+  static inline TimeNs now_ = 0;
+  std::unique_ptr<App> app_ = std::make_unique<App>();
+  RobotLink link_;
+  bsp::Socket robot_;
+  bsp::Endpoint from_;
+  std::string path_;
+  int host_ = -1;
+  FrameParser parser_;
+};
+
+TEST_F(RobotLinkTest, ATimeIsToldWhileAThreadServesTheLink) {
+  open_udp();
+  ASSERT_EQ(link_.start_thread(), nullptr);
+  for (int i = 0; i < 200 && link_.port() == 0; ++i) usleep(1'000);
+  ASSERT_NE(link_.port(), 0);
+  std::vector<Frame> all;
+  for (int i = 0; i < 50; ++i) {
+    publish(bsp::now());
+    link_.health(HealthState::kTracking, "from core 0");
+    Timesync question;
+    question.ts1_ns = bsp::now();
+    say(question, robot_);
+    usleep(20'000);
+    for (const Frame& frame : heard()) all.push_back(frame);
+  }
+  link_.close();
+  for (const Frame& frame : heard()) all.push_back(frame);
+  EXPECT_EQ(count<Odometry>(all), 50);
+  EXPECT_EQ(count<StatusText>(all), 50);
+  EXPECT_EQ(count<Timesync>(all), 50);
+  TimeNs trip = INT64_MAX;
+  for (const Frame& frame : all) {
+    Timesync answer;
+    if (decode(frame, answer)) trip = std::min(trip, answer.tc1_ns - answer.ts1_ns);
+  }
+  EXPECT_GE(trip, 0);
+  EXPECT_LT(trip, 5 * kMilli);
+}
+
+TEST_F(RobotLinkTest, TheStackAnswersTheRobotsCommands) {
+  open_udp();
+  link_.poll();
+  CommandLong command;
+  command.command = kCommandReset;
+  command.target_system = 1;
+  command.target_component = kComponent;
+  say(command, robot_);
+  link_.poll();
+  EXPECT_EQ(count<CommandAck>(heard()), 0);
+  link_.answer({1, CommandKind::kReset, Status::kOk});  // the inbox's first ticket
+  link_.poll();
+  EXPECT_EQ(count<CommandAck>(heard()), 1);
+}
+
+TEST_F(RobotLinkTest, StrangersAreNotHeard) {
+  open_udp();
+  link_.poll();
+  const Result<bsp::Socket> stranger = bsp::datagram_open({0x7f00'0002, 0});  // 127.0.0.2
+  ASSERT_TRUE(stranger.ok());
+  say(Timesync{}, stranger.value());
+  link_.poll();
+  bsp::datagram_close(stranger.value());
+  EXPECT_EQ(count<Timesync>(heard()), 0);
+  uint32_t strangers = 0;
+  link_.for_each_counter([&](const char* name, uint32_t value) {
+    if (std::string(name) == "strangers") strangers = value;
+  });
+  EXPECT_EQ(strangers, 1u);
+  EXPECT_EQ(from_.address, bsp::Endpoint{}.address) << "bound to loopback, as the robot is";
+}
+
+TEST_F(RobotLinkTest, ASerialLineThatIsNotReadLosesWholeFrames) {
+  plug();
+  open_serial();
+  TimeNs t = 1'000 * kMilli;
+  for (int i = 0; i < 2'000; ++i) {
+    t += 20 * kMilli;
+    publish(t);
+    poll_at(t);
+  }
+  std::vector<Frame> frames = heard();
+  EXPECT_GT(count<Odometry>(frames), 3);
+  EXPECT_LT(count<Odometry>(frames), 1'000);
+  const int before = count<Odometry>(frames);
+  for (int i = 0; i < 100; ++i) {
+    t += 20 * kMilli;
+    publish(t);
+    poll_at(t);
+    for (const Frame& frame : heard()) frames.push_back(frame);
+  }
+  EXPECT_GE(count<Odometry>(frames) - before, 98) << "and goes on";
+  EXPECT_EQ(parser_.counters().bytes_skipped, 0u) << "no frame was cut";
+}
+
+TEST_F(RobotLinkTest, ALineThatComesAndGoesIsTakenUpAgain) {
+  open_serial();
+  TimeNs t = 1'000 * kMilli;
+  const auto run = [&](int frames) {
+    int out = 0;
+    for (int i = 0; i < frames; ++i) {
+      t += 20 * kMilli;
+      publish(t);
+      poll_at(t);
+      out += count<Odometry>(heard());
+    }
+    return out;
+  };
+  EXPECT_EQ(run(50), 0) << "it is not there yet";
+  plug();
+  EXPECT_GT(run(100), 70) << "half a second until it is looked for";
+  unplug();
+  EXPECT_EQ(run(50), 0);
+  plug();
+  EXPECT_GT(run(100), 70);
+}
+
+TEST_F(RobotLinkTest, AFloodIsHeardAPieceAtATime) {
+  open_udp();
+  link_.poll();
+  const std::vector<uint8_t> noise(1'400, 0xFD);
+  for (int i = 0; i < 100; ++i) {
+    (void)bsp::datagram_send(robot_, {bsp::Endpoint{}.address, link_.port()}, noise.data(),
+                             noise.size());
+  }
+  const auto skipped = [this] {
+    uint32_t out = 0;
+    link_.for_each_counter([&](const char* name, uint32_t value) {
+      if (std::string(name) == "bytes_skipped") out = value;
+    });
+    return out;
+  };
+  link_.poll();
+  const uint32_t once = skipped();
+  EXPECT_GT(once, 1'000u);
+  EXPECT_LE(once, RobotLink::kBytesAtOnce + noise.size());
+  link_.poll();
+  EXPECT_GT(skipped(), once);
+}
+
+}  // namespace
+}  // namespace pirvs::board
