@@ -46,7 +46,7 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
-  board/linux/settings.cc board/linux/text_commands.cc board/usb/usb_settings.cc modules/door/% \
+  board/linux/settings.cc board/linux/text_commands.cc board/usb/usb_settings.cc modules/door/% modules/gnss/% \
   modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
   bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))

@@ -174,6 +174,7 @@ Status App::retune(const char* name, float value) {
       std::memcmp(&changed.exposure, &params_.exposure, sizeof changed.exposure) != 0;
   if (exposure) exposure_.retune(changed.exposure);
   params_ = changed;
+  fusion_.retune(params_.fusion);
   estimator_.retune(for_lens(params_, calibration_.camera[0]));
   return Status::kOk;
 }

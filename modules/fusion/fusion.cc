@@ -22,6 +22,7 @@ constexpr TimeNs kRestart_ns = 10'000'000'000;  // without SLAM, rejected fixes 
 constexpr int kTrustedAgain = 3;           // accepted fixes in a row that end a doubt
 constexpr double kNewFrame_m = 0.5, kNewFrame_rad = 0.05;  // a jump that ends an alignment's window
 constexpr double kFoundBack_m = 0.1, kFoundBack_rad = 0.01;  // SLAM in its old world again
+constexpr double kLinear_rad = 0.03;       // a jump by more is no small error
 constexpr double kMisclaim = 1.5;          // below that a receiver's claims are as good as held
 constexpr double kClaimsFollow = 0.02;     // a fix's share in judging them
 constexpr double kSigmaDefaults_m[][2] = {{5, 10}, {5, 10}, {3, 5}, {0.5, 1}, {0.02, 0.04}};
@@ -34,7 +35,7 @@ bool finite_and_positive(double x) { return std::isfinite(x) && x > 0; }
 bool same_numbers(const GnssFix& a, const GnssFix& b) {
   return a.latitude_deg == b.latitude_deg && a.longitude_deg == b.longitude_deg &&
          a.height_m == b.height_m && a.has_velocity == b.has_velocity &&
-         (!a.has_velocity || a.v_ned == b.v_ned);
+         (!a.has_velocity || a.v_ned.head<2>() == b.v_ned.head<2>());
 }
 
 }  // namespace
@@ -129,14 +130,11 @@ FixGate Fusion::apply_fix(FusionState& state, Fix& fix) const {
   return nis <= gate ? FixGate::kAccepted : FixGate::kVelocity;
 }
 
-// SLAM jumped, or is back: the anchor goes along with the body if the body's heading is known, else
-// the body follows from the anchor if SLAM is in the same world.
+// SLAM is elsewhere without a word, or is back: the anchor goes along with the body if the body's
+// heading is known, else the body follows from the anchor if SLAM is in the same world.
 void Fusion::come_back(FusionState& state, const Slam& slam, bool again) {
   const bool heading = state.anchored && yaw_variance(state) < square(number(params_.keep_rad));
-  if (heading) {
-    anchor_anew(state, slam.pose);
-    return tell(FusionEvent::kAnchoredAnew, again);
-  }
+  if (heading) return anchor_anew(state, slam.pose);
   if (state.anchored) {
     forget_heading(state, antenna_.p_BA);
     tell(FusionEvent::kHeadingLost, again);
@@ -166,15 +164,20 @@ void Fusion::come_back(FusionState& state, const Slam& slam, bool again) {
 
 void Fusion::apply_slam(FusionState& state, const Slam& slam, bool again) {
   if (!state.placed) return;
-  if (slam.jumped || (!state.anchored && state.has_anchor)) return come_back(state, slam, again);
-  if (!state.anchored) return;
+  if (!state.anchored) {
+    if (state.has_anchor) come_back(state, slam, again);
+    return;
+  }
+  if (slam.jumped) tell(FusionEvent::kAnchoredAnew, again);
   let_drift(state, slam.drift_horizontal_m2, slam.drift_vertical_m2, slam.drift_yaw_rad2);
+  if (slam.drift_yaw_rad2 > square(kLinear_rad)) follow_jump(state, slam.pose);
   const double gate = number(params_.slam_chi2);
   if (!(update(state, linearize_slam(state, slam.pose), gate) <= gate)) {
     tell(FusionEvent::kSlamJumped, again);
     return come_back(state, slam, again);
   }
   state.w_B = slam.pose.w_B;
+  state.epoch = slam.pose.epoch;
 }
 
 FixGate Fusion::apply(Entry& entry, FusionState& state, bool again) {
@@ -229,7 +232,8 @@ FixGate Fusion::check(const GnssFix& fix, TimeNs t) {
   if (fix.type == GnssFixType::kNone) return FixGate::kNoFix;
   const bool on_earth = std::abs(fix.latitude_deg) <= 90 && std::abs(fix.longitude_deg) <= 360 &&
                         std::abs(fix.height_m) < kHeight_m_max;
-  if (!on_earth || (fix.has_velocity && !fix.v_ned.allFinite())) return FixGate::kNotFinite;
+  const bool speed_good = !fix.has_velocity || fix.v_ned.head<2>().allFinite();
+  if (!on_earth || !speed_good) return FixGate::kNotFinite;
   if (fix.sigma_horizontal_m > number(params_.fix_m_max)) return FixGate::kUncertain;
   if (!has_origin_ && fix.type == GnssFixType::k2d) return FixGate::kUncertain;
   if (has_fix_ && t <= last_fix_.t) return FixGate::kBackwards;
@@ -262,12 +266,14 @@ Fusion::Fix Fusion::measured(const GnssFix& fix) const {
   out.variance = Vec3(square(horizontal), square(horizontal), square(vertical));
   out.has_velocity = fix.has_velocity;
   if (!fix.has_velocity) return out;
-  const Vec3 v_enu(fix.v_ned.y(), fix.v_ned.x(), -fix.v_ned.z());
+  const bool climb = std::isfinite(fix.v_ned.z());
+  const Vec3 v_enu(fix.v_ned.y(), fix.v_ned.x(), climb ? -fix.v_ned.z() : 0);
   out.v_E = frame_.turn_from(place) * v_enu;
   constexpr double kDefault_m_s = 0.3, kLeast_m_s = 0.01;
   const double claimed = fix.sigma_velocity_m_s;
   const double speed = finite_and_positive(claimed) ? std::max(claimed, kLeast_m_s) : kDefault_m_s;
   out.velocity_variance = Vec3::Constant(square(misclaim_ * speed));
+  if (!climb) out.velocity_variance.z() = square(kUnknownSpeed_m_s);
   return out;
 }
 
@@ -332,6 +338,11 @@ Fusion::Slam Fusion::slam_of(const Pose& pose) {
   out.drift_horizontal_m2 = growth_horizontal_.add(var_horizontal, begin);
   out.drift_vertical_m2 = growth_vertical_.add(cov(kPos + 2, kPos + 2), begin);
   out.drift_yaw_rad2 = growth_yaw_.add(var_yaw, begin);
+  if (out.jumped) {
+    // By as much as it says, which its pose then tells exactly.
+    out.drift_horizontal_m2 = out.drift_vertical_m2 = square(number(pose.trust.jump_m));
+    out.drift_yaw_rad2 = square(number(pose.trust.jump_rad));
+  }
   const double dt = begin ? 0 : to_seconds(pose.state.t - slam_t_);
   out.drift_horizontal_m2 += square(number(params_.drift_m)) * dt;
   out.drift_vertical_m2 += square(number(params_.drift_m)) * dt;

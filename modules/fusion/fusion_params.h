@@ -9,7 +9,7 @@ namespace pirvs {
 
 struct FusionParams {
   float accel_m_s2 = 3.0f;
-  float turn_rad = 0.5f;
+  float turn_rad = 0.1f;
   float drift_m = 0.002f;
   float drift_rad = 1e-4f;
   float slam_m = 0.005f;

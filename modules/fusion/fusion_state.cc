@@ -112,11 +112,14 @@ template double update<2>(FusionState&, const FusionLinear<2>&, double);
 template double update<3>(FusionState&, const FusionLinear<3>&, double);
 template double update<9>(FusionState&, const FusionLinear<9>&, double);
 
+void follow_jump(FusionState& state, const SlamMeasurement& slam) {
+  state.T_EW.R = turn_about_z(yaw_of(state.T_EB.R * slam.T_WB.R.transpose()));
+  state.T_EW.p = state.T_EB.p - state.T_EW.R * slam.T_WB.p;
+}
+
 void anchor_anew(FusionState& state, const SlamMeasurement& slam) {
-  const double yaw = yaw_of(state.T_EB.R * slam.T_WB.R.transpose());
-  state.T_EW.R = turn_about_z(yaw);
-  const Vec3 arm = state.T_EW.R * slam.T_WB.p;  // from W's origin to the body, in E
-  state.T_EW.p = state.T_EB.p - arm;
+  follow_jump(state, slam);
+  const Vec3 arm = state.T_EB.p - state.T_EW.p;
   // Errors (theta, p, v) of the body and (theta, p, v) of SLAM's pose to all errors.
   Eigen::Matrix<double, kFusionErrors, 9> J = Eigen::Matrix<double, kFusionErrors, 9>::Zero();
   J.topLeftCorner<9, 9>().setIdentity();

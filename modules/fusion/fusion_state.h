@@ -70,7 +70,10 @@ void let_drift(FusionState& state, double var_horizontal_m2, double var_vertical
 template <int N>
 double update(FusionState& state, const FusionLinear<N>& m, double gate);
 
-// The anchor follows from where the body is and where SLAM says that it is: after SLAM has jumped.
+// The anchor is moved to where body and SLAM agree; its covariance stays. For jumps that are no
+// small errors.
+void follow_jump(FusionState& state, const SlamMeasurement& slam);
+// The anchor follows from where the body is and where SLAM says that it is, and from nothing else.
 void anchor_anew(FusionState& state, const SlamMeasurement& slam);
 // The body follows from the anchor. cov: of p_EW and yaw_EW.
 void place_by_anchor(FusionState& state, const SE3& T_EW, const Eigen::Matrix<double, 4, 4>& cov,

@@ -35,6 +35,8 @@ MODULES = {
     "exposure": [],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
+    "gnss": ["door"],
+    "fusion": ["state", "calibration", "health", "output", "door"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder", "stream")

@@ -20,6 +20,10 @@ void on_late(void* context, TimeNs t, const LateTask& task) {
   static_cast<RunLog*>(context)->late.push_back({t, task});
 }
 
+void on_fused(void* context, const FusedPose& pose) {
+  static_cast<RunLog*>(context)->fused.push_back(pose);
+}
+
 void on_keyframe(void* context, const BodyState& state) {
   static_cast<RunLog*>(context)->keyframes.push_back(state);
 }
@@ -45,6 +49,7 @@ AppSinks RunLog::sinks() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.fused = on_fused;
   sinks.keyframe = on_keyframe;
   return sinks;
 }
@@ -72,6 +77,7 @@ void RunLog::finish(const App& app) {
   for (size_t slot = 0; slot < map.landmarks.capacity(); ++slot) {
     if (const Landmark* landmark = map.landmarks.at(slot)) points.push_back(*landmark);
   }
+  local_frame = app.local_frame();
   NamedValue values[kNamedMax];
   counters = named(values, app.counters(values, kNamedMax));
   pools = named(values, App::pools(values, kNamedMax));
