@@ -50,8 +50,9 @@ TEST(geodesy, local_axes_are_east_north_up) {
   east.longitude_rad += step;
   up.height_m += 5;
   EXPECT_LT((frame.to_local(north) - Vec3(0, step * (M + 1600), 0)).norm(), 1e-4);
-  EXPECT_LT((frame.to_local(east) -
-             Vec3(step * (N + 1600) * std::cos(origin.latitude_rad), 0, 0)).norm(), 1e-4);
+  EXPECT_LT(
+      (frame.to_local(east) - Vec3(step * (N + 1600) * std::cos(origin.latitude_rad), 0, 0)).norm(),
+      1e-4);
   EXPECT_LT((frame.to_local(up) - Vec3(0, 0, 5)).norm(), 1e-8);
 }
 

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/trig.h"
+
 namespace pirvs {
 namespace {
 
@@ -81,41 +83,58 @@ double AlignmentWindow::cost(const Sums& sums, const Fit& f) {
   return std::max(0.0, place + velocity + vertical);
 }
 
-Status AlignmentWindow::solve(Alignment& out) const {
-  bool used[kStretches];
-  std::fill_n(used, kStretches, true);
-  int all = 0;
-  for (const Stretch& stretch : stretches_) all += stretch.sums.pairs;
-  if (all < kPairsMin) return Status::kEmpty;
-  const auto squares = [](const Sums& sums) { return 3 * sums.pairs + 2 * sums.velocities; };
-  Sums sums;
-  Fit found;
-  double cost_all = 0;
-  for (;;) {
-    sums = Sums{};
+void AlignmentWindow::choose(Chosen& out) const {
+  std::fill_n(out.used, kStretches, true);
+  for (const Stretch& stretch : stretches_) out.all += stretch.sums.pairs;
+  while (out.all > 0) {
+    out.sums = Sums{};
     for (size_t i = 0; i < stretches_.size(); ++i) {
-      if (used[i]) sums.add(stretches_[i].sums);
+      if (out.used[i]) out.sums.add(stretches_[i].sums);
     }
-    found = fit(sums);
-    cost_all = cost(sums, found);
+    out.fit = fit(out.sums);
+    out.cost = cost(out.sums, out.fit);
     size_t worst = 0;
     double worst_mean = square(kOutlier);
     for (size_t i = 0; i < stretches_.size(); ++i) {
       const Sums& s = stretches_[i].sums;
-      const double mean = cost(s, found) / squares(s);
-      if (used[i] && mean > worst_mean) worst = i, worst_mean = mean;
+      const double mean = cost(s, out.fit) / squares(s);
+      if (out.used[i] && mean > worst_mean) worst = i, worst_mean = mean;
     }
     const bool any = worst_mean > square(kOutlier);
-    if (!any || 2 * (sums.pairs - stretches_[worst].sums.pairs) <= all) break;
-    used[worst] = false;
+    if (!any || 2 * (out.sums.pairs - stretches_[worst].sums.pairs) <= out.all) break;
+    out.used[worst] = false;
   }
+}
+
+Status AlignmentWindow::locate(const Vec3& p_W, Vec3& p_E, Mat3& cov) const {
+  Chosen chosen;
+  choose(chosen);
+  if (chosen.all == 0) return Status::kEmpty;
+  const Sums& sums = chosen.sums;
+  const Fit& f = chosen.fit;
+  // A heading of variance v turns an arm to exp(-v / 2) of it in the mean.
+  const double kept = f.information > 0 ? exponential(-0.5 / f.information) : 0;
+  const Vec2 a = sums.a / sums.w, arm = p_W.head<2>() - sums.b / sums.w;
+  p_E << a + kept * Vec2(f.c * arm.x() - f.s * arm.y(), f.s * arm.x() + f.c * arm.y()),
+      p_W.z() + f.up;
+  const double scale = std::max(1.0, chosen.cost / squares(sums));
+  const double horizontal = scale / sums.w + (1 - kept * kept) * arm.squaredNorm();
+  cov = Vec3(horizontal, horizontal, scale / sums.up_w).asDiagonal();
+  return Status::kOk;
+}
+
+Status AlignmentWindow::solve(Alignment& out) const {
+  Chosen chosen;
+  choose(chosen);
+  const Sums& sums = chosen.sums;
+  const Fit& found = chosen.fit;
   if (sums.pairs < kPairsMin || !(found.information > 0)) return Status::kEmpty;
 
   out = Alignment{};
   out.pairs = sums.pairs;
-  out.left_out = all - sums.pairs;
-  const double scale = std::max(1.0, cost_all / (squares(sums) - 4));
-  out.misfit = std::sqrt(cost_all / (squares(sums) - 4));
+  out.left_out = chosen.all - sums.pairs;
+  const double scale = std::max(1.0, chosen.cost / (squares(sums) - 4));
+  out.misfit = std::sqrt(chosen.cost / (squares(sums) - 4));
   out.T_EW.R << found.c, -found.s, 0, found.s, found.c, 0, 0, 0, 1;
   out.T_EW.p << found.p, found.up;
   const double var_yaw = scale / found.information;
@@ -133,7 +152,7 @@ Status AlignmentWindow::solve(Alignment& out) const {
   Vec3 low, high;
   bool first = true;
   for (size_t i = 0; i < stretches_.size(); ++i) {
-    if (!used[i]) continue;
+    if (!chosen.used[i]) continue;
     low = first ? stretches_[i].p_W_min : Vec3(low.cwiseMin(stretches_[i].p_W_min));
     high = first ? stretches_[i].p_W_max : Vec3(high.cwiseMax(stretches_[i].p_W_max));
     first = false;

@@ -6,6 +6,7 @@
 //         than they hold.
 // Frames  E: east, north, up. W: SLAM's world, z up: one angle is unknown, not three.
 // Units   m, m/s, rad, ns.
+//         locate(): a place by that, before the heading is known.
 // Errors  kEmpty: fewer than kPairsMin pairs. A stretch of pairs that does not fit the others is
 //         left out, one after the other, as long as more than half of the pairs remain.
 // Cost    add ~50 ns; solve ~2 us, more where something is left out. 5 kB.
@@ -24,19 +25,19 @@ namespace pirvs {
 
 struct AlignmentPair {
   TimeNs t = 0;
-  Vec3 p_E = Vec3::Zero(), p_W = Vec3::Zero();                // the antenna
-  double var_horizontal_m2 = 0, var_vertical_m2 = 0;          // of p_E
-  Vec3 v_E = Vec3::Zero(), v_W = Vec3::Zero();                // the antenna's
-  double var_velocity_m2_s2 = 0;                              // of v_E; 0: no velocity
+  Vec3 p_E = Vec3::Zero(), p_W = Vec3::Zero();        // the antenna
+  double var_horizontal_m2 = 0, var_vertical_m2 = 0;  // of p_E
+  Vec3 v_E = Vec3::Zero(), v_W = Vec3::Zero();        // the antenna's
+  double var_velocity_m2_s2 = 0;                      // of v_E; 0: no velocity
 };
 
 struct Alignment {
   SE3 T_EW;
   Eigen::Matrix<double, 4, 4> cov = Eigen::Matrix<double, 4, 4>::Zero();  // p_EW, yaw
   double sigma_yaw_rad = 0;
-  double span_m = 0;   // extent of the antenna's places
-  double misfit = 1;   // rms of residuals over their sigmas: 1 where fixes hold what they claim
-  int pairs = 0;       // that it stands on
+  double span_m = 0;  // extent of the antenna's places
+  double misfit = 1;  // rms of residuals over their sigmas: 1 where fixes hold what they claim
+  int pairs = 0;      // that it stands on
   int left_out = 0;
 };
 
@@ -52,6 +53,9 @@ class AlignmentWindow {
     return stretches_.empty() ? 0 : stretches_.back().end - stretches_[0].begin;
   }
   Status solve(Alignment& out) const;
+  // Where p_W lies in E, as far as that is known: near the middle of the pairs it is, even if the
+  // heading is not. kEmpty: no pair.
+  Status locate(const Vec3& p_W, Vec3& p_E, Mat3& cov) const;
 
  private:
   static constexpr int kStretches = 33;  // each longer than length_ / 32
@@ -78,6 +82,17 @@ class AlignmentWindow {
     double up = 0, information = 0;
   };
 
+  // All pairs but those of stretches that do not fit the others.
+  struct Chosen {
+    bool used[kStretches];
+    int all = 0;
+    Sums sums;
+    Fit fit;
+    double cost = 0;
+  };
+
+  void choose(Chosen& out) const;
+  static int squares(const Sums& sums) { return 3 * sums.pairs + 2 * sums.velocities; }
   static Fit fit(const Sums& sums);
   static double cost(const Sums& sums, const Fit& fit);
 

@@ -124,7 +124,8 @@ TEST(alignment, hover_and_a_short_line_do_not_show_the_heading) {
     const SE3 T_EW = {so3_exp(Vec3(0, 0, 2)), Vec3(1, 2, 3)};
     const auto hover = [](double t) { return Vec3(0.1 * std::sin(t), 0.1 * std::cos(0.7 * t), 1); };
     const auto line = [](double t) { return Vec3(std::min(0.5 * t, 2.0), 0, 1); };
-    for (const auto& path : {std::function<Vec3(double)>(hover), std::function<Vec3(double)>(line)}) {
+    for (const auto& path :
+         {std::function<Vec3(double)>(hover), std::function<Vec3(double)>(line)}) {
       Alignment found;
       ASSERT_EQ(window_of(pairs_along(path, 60, {5, 1.5, 0}, T_EW, random)).solve(found),
                 Status::kOk);
@@ -190,6 +191,34 @@ TEST(alignment, old_pairs_are_forgotten) {
   ASSERT_EQ(window.solve(found), Status::kOk);
   EXPECT_LT((found.T_EW.p - second.p).norm(), 1);
   EXPECT_LE(window.span(), 60 * kSecond);
+}
+
+// At rest fixes can be averaged whatever the heading is; far from where they were it matters.
+TEST(alignment, a_place_is_known_before_the_heading) {
+  const SE3 T_EW = {so3_exp(Vec3(0, 0, 2)), Vec3(10, -20, 3)};
+  const auto rest = [](double) { return Vec3(1, 2, 3); };
+  double nees = 0, sum2 = 0;
+  constexpr int kDraws = 100;
+  for (uint32_t seed = 1; seed <= kDraws; ++seed) {
+    Random random(seed);
+    const AlignmentWindow window = window_of(pairs_along(rest, 24, {1, 1.5, 0}, T_EW, random));
+    Vec3 p_E;
+    Mat3 cov;
+    ASSERT_EQ(window.locate(Vec3(1, 2, 3), p_E, cov), Status::kOk);
+    const Vec3 e = p_E - T_EW * Vec3(1, 2, 3);
+    sum2 += e.squaredNorm() / kDraws;
+    nees += (e.array().square() / cov.diagonal().array()).sum() / kDraws;
+    ASSERT_EQ(window.locate(Vec3(6, 2, 3), p_E, cov), Status::kOk);
+    EXPECT_GT(cov(0, 0), 20) << "5 m away in an unknown direction";
+  }
+  EXPECT_LT(std::sqrt(sum2), 0.6);
+  EXPECT_GT(nees, 2.2);
+  EXPECT_LT(nees, 3.6);
+  AlignmentWindow none;
+  none.configure(kSecond);
+  Vec3 p_E;
+  Mat3 cov;
+  EXPECT_EQ(none.locate(Vec3::Zero(), p_E, cov), Status::kEmpty);
 }
 
 TEST(alignment, a_few_pairs_are_none) {

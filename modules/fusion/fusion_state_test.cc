@@ -73,8 +73,7 @@ TEST(fusion_state, transition_of_equation_7_matches_numeric) {
     const FusionState to = moved(Vec13::Zero());
     for (int k = 0; k < kFusionErrors; ++k) {
       const Vec13 step = kStep * Vec13::Unit(k);
-      const Vec13 numeric =
-          (boxminus(moved(step), to) - boxminus(moved(-step), to)) / (2 * kStep);
+      const Vec13 numeric = (boxminus(moved(step), to) - boxminus(moved(-step), to)) / (2 * kStep);
       EXPECT_LT((numeric - F.col(k)).norm(), 1e-6) << "seed " << seed << " " << k;
     }
   }
@@ -99,9 +98,9 @@ TEST(mm_slam, jacobian_of_equation_8_matches_numeric) {
     for (int k = 0; k < kFusionErrors; ++k) {
       const Vec13 step = kStep * Vec13::Unit(k);
       // H is that of the prediction: the residual goes the other way.
-      const Vec9 numeric = -(linearize_slam(boxplus(at, step), z).r -
-                             linearize_slam(boxplus(at, -step), z).r) /
-                           (2 * kStep);
+      const Vec9 numeric =
+          -(linearize_slam(boxplus(at, step), z).r - linearize_slam(boxplus(at, -step), z).r) /
+          (2 * kStep);
       // The attitude's residual is small, not zero: its logarithm's derivative is one to that.
       EXPECT_LT((numeric - m.H.col(k)).norm(), 5e-3) << "seed " << seed << " " << k;
       EXPECT_LT((numeric - m.H.col(k)).tail<6>().norm(), 1e-6) << "seed " << seed << " " << k;
@@ -201,11 +200,11 @@ TEST(fusion_state, drift_leaves_the_body_where_it_is) {
   FusionState state = random_state(random);
   const Mat9 before = state.cov.topLeftCorner<9, 9>();
   const SlamMeasurement slam = expected_slam(state, random);
-  const Mat9 S0 = linearize_slam(state, slam).H * state.cov *
-                  linearize_slam(state, slam).H.transpose();
+  const Mat9 S0 =
+      linearize_slam(state, slam).H * state.cov * linearize_slam(state, slam).H.transpose();
   let_drift(state, 0, 0, 0.01);
-  const Mat9 S1 = linearize_slam(state, slam).H * state.cov *
-                  linearize_slam(state, slam).H.transpose();
+  const Mat9 S1 =
+      linearize_slam(state, slam).H * state.cov * linearize_slam(state, slam).H.transpose();
   EXPECT_EQ((state.cov.topLeftCorner<9, 9>()), before);
   // Seen in W the body stays, too: only what is about it turns.
   EXPECT_LT(((S1 - S0).block<3, 3>(3, 3).norm()), 1e-9);

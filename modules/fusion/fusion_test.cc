@@ -27,7 +27,7 @@ struct World {
   double drift_m = 0.005;                   // random walk of SLAM's frame, m/sqrt(s)
   double drift_rad = 2e-4;
   Vec3 p_BA = Vec3::Zero();
-  double speed = 1;                         // 0: hover
+  double speed = 1;  // 0: hover
   SE3 T_EW = {so3_exp(Vec3(0, 0, 2.0)), Vec3(5, -3, 1)};
 
   explicit World(uint32_t seed) : random(seed) {
@@ -110,7 +110,8 @@ struct World {
         none.health = HealthState::kLost;
         fusion->add_pose(none);
       }
-      if (gnss_on && frame % fix_every == 0) waiting.push_back({frame + fix_late, fix_at(t + 0.02)});
+      if (gnss_on && frame % fix_every == 0)
+        waiting.push_back({frame + fix_late, fix_at(t + 0.02)});
       while (!waiting.empty() && waiting.front().frame <= frame) {
         fusion->add_fix(waiting.front().fix);
         waiting.erase(waiting.begin());
@@ -357,7 +358,8 @@ TEST(fusion, the_anchor_goes_along_when_slam_jumps) {
   world.run(60);
   const double before = world.error().norm();
   const uint32_t told = world.fusion->pose().resets;
-  world.T_drifted = {so3_exp(Vec3(0, 0, 0.3)) * world.T_drifted.R, world.T_drifted.p + Vec3(3, 2, 0)};
+  world.T_drifted = {so3_exp(Vec3(0, 0, 0.3)) * world.T_drifted.R,
+                     world.T_drifted.p + Vec3(3, 2, 0)};
   ++world.resets;
   world.jump_m = 4, world.jump_rad = 0.3f;
   world.forget();
@@ -365,7 +367,8 @@ TEST(fusion, the_anchor_goes_along_when_slam_jumps) {
   EXPECT_EQ(world.event(FusionEvent::kAnchoredAnew), 1u);
   EXPECT_LT(world.worst, before + 0.05);
   // One that SLAM does not tell of.
-  world.T_drifted = {so3_exp(Vec3(0, 0, -0.3)) * world.T_drifted.R, world.T_drifted.p - Vec3(1, 1, 0)};
+  world.T_drifted = {so3_exp(Vec3(0, 0, -0.3)) * world.T_drifted.R,
+                     world.T_drifted.p - Vec3(1, 1, 0)};
   world.run(61);
   EXPECT_EQ(world.event(FusionEvent::kSlamJumped), 1u);
   EXPECT_LT(world.worst, before + 0.05);

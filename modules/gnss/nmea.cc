@@ -109,7 +109,8 @@ bool NmeaReader::read_sentence(ReceiverFix& out) {
     counters_.bytes_outside += static_cast<uint32_t>(size_);
     return false;
   };
-  if (size_ < kHead + kTail || text_[size_ - kTail] != '*') return refuse(counters_.checksums_wrong);
+  if (size_ < kHead + kTail || text_[size_ - kTail] != '*')
+    return refuse(counters_.checksums_wrong);
   uint8_t sum = 0;
   for (size_t i = 1; i < size_ - kTail; ++i) sum = static_cast<uint8_t>(sum ^ text_[i]);
   if (hex_digit(text_[size_ - 2]) != sum >> 4 || hex_digit(text_[size_ - 1]) != (sum & 15)) {
@@ -177,9 +178,9 @@ bool NmeaReader::read_fields(Kind kind, const std::string_view* fields, size_t c
 
 // time, latitude, N, longitude, E, quality, satellites, hdop, altitude, M, separation, M, ...
 bool NmeaReader::read_gga(const std::string_view* f, Epoch& out) {
-  constexpr GnssFixType kTypes[] = {GnssFixType::kNone,  GnssFixType::k3d,    GnssFixType::k3d,
-                                    GnssFixType::k3d,    GnssFixType::kFixed, GnssFixType::kFloat,
-                                    GnssFixType::kNone,  GnssFixType::kNone,  GnssFixType::kNone};
+  constexpr GnssFixType kTypes[] = {GnssFixType::kNone, GnssFixType::k3d,    GnssFixType::k3d,
+                                    GnssFixType::k3d,   GnssFixType::kFixed, GnssFixType::kFloat,
+                                    GnssFixType::kNone, GnssFixType::kNone,  GnssFixType::kNone};
   if (f[6].size() != 1 || f[6][0] < '0' || f[6][0] > '8') return false;
   GnssFix fix = out.fix;
   fix.type = kTypes[f[6][0] - '0'];
@@ -205,9 +206,9 @@ bool NmeaReader::read_gga(const std::string_view* f, Epoch& out) {
 bool NmeaReader::read_rmc(const std::string_view* f, Epoch& out) {
   if (!f[9].empty()) {
     int day = 0, month = 0, year = 0;
-    const bool date = f[9].size() == 6 && two_digits(f[9], 0, day) &&
-                      two_digits(f[9], 2, month) && two_digits(f[9], 4, year) && day >= 1 &&
-                      day <= 31 && month >= 1 && month <= 12;
+    const bool date = f[9].size() == 6 && two_digits(f[9], 0, day) && two_digits(f[9], 2, month) &&
+                      two_digits(f[9], 4, year) && day >= 1 && day <= 31 && month >= 1 &&
+                      month <= 12;
     if (!date) return false;
     days_ = days_since_1970(2000 + year, month, day);
     days_time_ns_ = out.time_of_day_ns;

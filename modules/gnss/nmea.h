@@ -21,10 +21,10 @@
 namespace pirvs {
 
 struct NmeaCounters {
-  Counter sentences;        // with a right checksum: all
-  Counter bytes_outside;    // of no such sentence
+  Counter sentences;      // with a right checksum: all
+  Counter bytes_outside;  // of no such sentence
   Counter checksums_wrong;
-  Counter fields_wrong;     // of GGA, RMC, VTG or GST: the sentence says nothing
+  Counter fields_wrong;  // of GGA, RMC, VTG or GST: the sentence says nothing
   Counter too_long;
 };
 inline constexpr CounterRow<NmeaCounters> kNmeaCounters[] = {
@@ -70,10 +70,10 @@ class NmeaReader {
   size_t size_ = 0;
   bool inside_ = false;
   Epoch epoch_;
-  Kind last_kind_ = kKinds;    // that came in this epoch
-  Kind closing_kind_ = kKinds; // that closed the epoch before
-  int64_t days_ = 0;           // since 1970, by RMC
-  int64_t days_time_ns_ = 0;   // and the time of day then
+  Kind last_kind_ = kKinds;     // that came in this epoch
+  Kind closing_kind_ = kKinds;  // that closed the epoch before
+  int64_t days_ = 0;            // since 1970, by RMC
+  int64_t days_time_ns_ = 0;    // and the time of day then
   bool has_date_ = false;
   NmeaCounters counters_;
 };

@@ -139,7 +139,8 @@ TEST(nmea, garbage_is_counted_and_costs_no_sentence) {
     std::string noise;
     for (size_t k = random() % 300; k > 0; --k) noise += char(random() % 256);
     noise += "$GNGGA,1730";  // cut off
-    for (size_t at = noise.find('*'); at != std::string::npos; at = noise.find('*')) noise[at] = '+';
+    for (size_t at = noise.find('*'); at != std::string::npos; at = noise.find('*'))
+      noise[at] = '+';
     garbage += noise.size();
     char time[32];
     std::snprintf(time, sizeof time, "%02d%02d%02d.00", i / 60, i % 60, 0);

@@ -40,9 +40,7 @@ GnssFixType type_of(uint8_t fix_type, uint8_t flags) {
   if (!good) return GnssFixType::kNone;
   if (fix_type == k2d) return GnssFixType::k2d;
   if (fix_type != k3d && fix_type != kWithDeadReckoning) return GnssFixType::kNone;
-  return carrier == 2   ? GnssFixType::kFixed
-         : carrier == 1 ? GnssFixType::kFloat
-                        : GnssFixType::k3d;
+  return carrier == 2 ? GnssFixType::kFixed : carrier == 1 ? GnssFixType::kFloat : GnssFixType::k3d;
 }
 
 }  // namespace
@@ -123,8 +121,7 @@ bool UbxReader::read_pvt(const uint8_t* p, ReceiverFix& out) {
   now.has_time = (p[11] & kDateAndTime) == kDateAndTime && possible;
   if (now.has_time) {
     const int64_t days = days_since_1970(p[4] | p[5] << 8, month, day);
-    now.t_utc =
-        (days * 86400 + hour * 3600 + minute * 60 + second) * kSecond_ns + i32(p + 16);
+    now.t_utc = (days * 86400 + hour * 3600 + minute * 60 + second) * kSecond_ns + i32(p + 16);
   }
   last_tow_ms_ = u32(p);
   has_last_ = true;

@@ -1,13 +1,13 @@
 // Fixes from the bytes of a u-blox receiver: UBX-NAV-PVT, refined by UBX-NAV-COV where it is sent.
 // In      take(): one byte after the other, whatever they are.
-// Out     True when a fix is complete: at its NAV-PVT, or at the NAV-COV behind it once the receiver
-//         has shown that it sends them.
+// Out     True when a fix is complete: at its NAV-PVT, or at the NAV-COV behind it once the
+//         receiver has shown that it sends them.
 // Units   as in receiver_fix.h. hAcc and sAcc, which are of a plane, become sigmas of one axis.
 // Errors  Counted: bytes that belong to no valid frame, frames whose checksum is wrong; after
 //         either, the search for a frame goes on at the next byte. A fix whose NAV-COV was lost is
 //         overtaken by the next one.
 // Cost    ~2 ns a byte; in garbage made to deceive kFrameMax times that at most. 4 kB.
-// Source  u-blox F9 HPG 1.32 interface description, 3.2 (frame), 3.15.14 (NAV-PVT), 3.15.1 (NAV-COV).
+// Source  u-blox F9 HPG 1.32 interface description: frame 3.2, NAV-PVT 3.15.14, NAV-COV 3.15.1.
 #pragma once
 
 #include <cstddef>
@@ -19,8 +19,8 @@
 namespace pirvs {
 
 struct UbxCounters {
-  Counter frames, pvt, cov;       // valid ones: all, and those that are read
-  Counter bytes_outside;          // of no valid frame
+  Counter frames, pvt, cov;  // valid ones: all, and those that are read
+  Counter bytes_outside;     // of no valid frame
   Counter checksums_wrong;
   Counter fixes_overtaken;
 };

@@ -22,8 +22,8 @@ constexpr const char* kWhat = "GNSS fixes";
 constexpr const char* kRepair = "remove or repair the line";
 
 void count(std::vector<Count>& counts, const char* name) {
-  const auto found = std::find_if(counts.begin(), counts.end(),
-                                  [name](const Count& c) { return c.name == name; });
+  const auto found =
+      std::find_if(counts.begin(), counts.end(), [name](const Count& c) { return c.name == name; });
   if (found != counts.end()) {
     ++found->value;
   } else {
@@ -76,9 +76,10 @@ std::vector<GnssFix> read_csv(const std::string& path, std::vector<Count>& rejec
     fix.sigma_vertical_m = value(kSigma + 1);
     if (fix.has_velocity) fix.sigma_velocity_m_s = value(kSigma + 2);
     if (!complete) {
-      table.fail("needs time, 3 of place, 3 of velocity or none, 3 sigmas, and none, 2d, 3d, float "
-                 "or fixed",
-                 kRepair);
+      table.fail(
+          "needs time, 3 of place, 3 of velocity or none, 3 sigmas, and none, 2d, 3d, float "
+          "or fixed",
+          kRepair);
     }
     keep(fix, fixes, rejected);
   }
@@ -109,8 +110,9 @@ std::vector<GnssFix> read_bytes(const std::string& path, const CounterRow<Counte
     if (reader.take(uint8_t(c), read)) take();
   }
   while (reader.flush(read)) take();
-  for_each_counter(reader.counters(), rows,
-                   [&](const char* name, uint32_t n) { rejected.push_back({name, n}); });
+  for_each_counter(reader.counters(), rows, [&](const char* name, uint32_t n) {
+    rejected.push_back({name, n});
+  });
   return fixes;
 }
 
@@ -132,15 +134,17 @@ std::vector<GnssFix> read_pos(const std::string& path, std::vector<Count>& rejec
       continue;
     }
     int year = 0, month = 0, day = 0, hour = 0, minute = 0;
-    double second = 0, quality = 0, satellites = 0, sd[3] = {}, other[5] = {}, v[3] = {}, sv[3] = {};
+    double second = 0, quality = 0, satellites = 0, sd[3] = {}, other[5] = {}, v[3] = {},
+           sv[3] = {};
     GnssFix fix;
-    const int read = std::sscanf(
-        line.c_str(),
-        "%d/%d/%d %d:%d:%lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf "
-        "%lf",
-        &year, &month, &day, &hour, &minute, &second, &fix.latitude_deg, &fix.longitude_deg,
-        &fix.height_m, &quality, &satellites, &sd[0], &sd[1], &sd[2], &other[0], &other[1],
-        &other[2], &other[3], &other[4], &v[0], &v[1], &v[2], &sv[0], &sv[1], &sv[2]);
+    const int read = std::sscanf(line.c_str(),
+                                 "%d/%d/%d %d:%d:%lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf %lf "
+                                 "%lf %lf %lf %lf %lf %lf %lf "
+                                 "%lf",
+                                 &year, &month, &day, &hour, &minute, &second, &fix.latitude_deg,
+                                 &fix.longitude_deg, &fix.height_m, &quality, &satellites, &sd[0],
+                                 &sd[1], &sd[2], &other[0], &other[1], &other[2], &other[3],
+                                 &other[4], &v[0], &v[1], &v[2], &sv[0], &sv[1], &sv[2]);
     constexpr int kPlace = 14, kVelocity = 25;
     if (read <= 0 && line.find_first_not_of(" \r") == std::string::npos) continue;
     const bool good = read >= kPlace && year >= 1980 && year < 2200 && month >= 1 && month <= 12 &&
@@ -171,12 +175,30 @@ std::vector<GnssFix> read_pos(const std::string& path, std::vector<Count>& rejec
 
 }  // namespace
 
-std::vector<GnssFix> read_gnss(const std::string& path, std::vector<Count>& rejected) {
-  const std::string kind = std::filesystem::path(path).extension();
-  std::vector<GnssFix> fixes = kind == ".ubx"    ? read_bytes<UbxReader>(path, kUbxCounters, rejected)
-                               : kind == ".nmea" ? read_bytes<NmeaReader>(path, kNmeaCounters, rejected)
-                               : kind == ".pos"  ? read_pos(path, rejected)
-                                                 : read_csv(path, rejected);
+GnssFormat gnss_format(const std::string& path) {
+  const std::string ending = std::filesystem::path(path).extension();
+  return ending == ".ubx"    ? GnssFormat::kUbx
+         : ending == ".nmea" ? GnssFormat::kNmea
+         : ending == ".pos"  ? GnssFormat::kRtklib
+                             : GnssFormat::kTable;
+}
+
+std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format,
+                               std::vector<Count>& rejected) {
+  std::vector<GnssFix> fixes;
+  switch (format) {
+    case GnssFormat::kTable:
+      fixes = read_csv(path, rejected);
+      break;
+    case GnssFormat::kRtklib:
+      fixes = read_pos(path, rejected);
+      break;
+    case GnssFormat::kUbx:
+      fixes = read_bytes<UbxReader>(path, kUbxCounters, rejected);
+      break;
+    case GnssFormat::kNmea:
+      fixes = read_bytes<NmeaReader>(path, kNmeaCounters, rejected);
+  }
   if (fixes.empty()) throw InputError("no GNSS fixes", path, "check the file");
   return fixes;
 }

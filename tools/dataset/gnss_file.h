@@ -1,8 +1,8 @@
 // What    Reads the fixes of a GNSS receiver.
-// In      A table as in an ASL folder's gnss0/data.csv: timestamp, latitude, longitude [deg], height
-//         above the ellipsoid [m], v_north, v_east, v_down, sigma_horizontal, sigma_vertical,
-//         sigma_velocity, fix (none, 2d, 3d, float, fixed); empty velocity: not measured. Or a
-//         solution of RTKLIB (.pos), or the bytes of a receiver: .ubx, .nmea.
+// In      A table as in an ASL folder's gnss0/data.csv: timestamp, latitude, longitude [deg],
+//         height above the ellipsoid [m], v_north, v_east, v_down, sigma_horizontal,
+//         sigma_vertical, sigma_velocity, fix (none, 2d, 3d, float, fixed); empty velocity: not
+//         measured. Or a solution of RTKLIB (.pos), or the bytes of a receiver: .ubx, .nmea.
 // Out     Fixes in order of time. t: the stamps of a table as they are; of the others UTC in Unix
 //         time, in which case the recording must have it, too.
 // Units   deg, m, m/s, ns.
@@ -20,6 +20,10 @@ namespace pirvs::tools {
 
 struct Count;
 
-std::vector<GnssFix> read_gnss(const std::string& path, std::vector<Count>& rejected);
+enum class GnssFormat : uint8_t { kTable, kRtklib, kUbx, kNmea };
+GnssFormat gnss_format(const std::string& path);  // by the name's ending
+
+std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format,
+                               std::vector<Count>& rejected);
 
 }  // namespace pirvs::tools

@@ -120,7 +120,7 @@ void read_fixes(const std::string& mav0, const RecordingOptions& options, Record
   }
   const std::string file = options.gnss.empty() ? folder + "/data.csv" : options.gnss;
   if (!options.gnss.empty() || fs::exists(file)) {
-    recording.gnss = read_gnss(file, recording.rejected);
+    recording.gnss = read_gnss(file, gnss_format(file), recording.rejected);
     recording.gnss_apart = true;
     return;
   }

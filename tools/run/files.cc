@@ -59,17 +59,17 @@ Json fused_json(const RunResult& result, const RunLog& log) {
   const auto error = [&f](double value) { return f.ok ? Json(value) : Json(nullptr); };
   const Geodetic& origin = log.local_frame.origin();
   constexpr double kDegree = M_PI / 180;
-  return {{"poses", result.fused.size()},
-          {"origin",
-           {origin.latitude_rad / kDegree, origin.longitude_rad / kDegree, origin.height_m}},
-          {"health_at_end", name(result.fused.back().health)},
-          {"ate_rmse_m", error(f.ate_rmse_m)},
-          {"ate_max_m", error(f.ate_max_m)},
-          {"ate_aligned_rmse_m", error(f.aligned_rmse_m)},
-          {"fixes_rmse_m", error(f.fixes_rmse_m)},
-          {"heading_rmse_deg", error(f.heading_rmse_deg)},
-          {"nees_position", error(f.nees_position)},
-          {"error_at_end_m", error(f.error_at_end_m)}};
+  return {
+      {"poses", result.fused.size()},
+      {"origin", {origin.latitude_rad / kDegree, origin.longitude_rad / kDegree, origin.height_m}},
+      {"health_at_end", name(result.fused.back().health)},
+      {"ate_rmse_m", error(f.ate_rmse_m)},
+      {"ate_max_m", error(f.ate_max_m)},
+      {"ate_aligned_rmse_m", error(f.aligned_rmse_m)},
+      {"fixes_rmse_m", error(f.fixes_rmse_m)},
+      {"heading_rmse_deg", error(f.heading_rmse_deg)},
+      {"nees_position", error(f.nees_position)},
+      {"error_at_end_m", error(f.error_at_end_m)}};
 }
 
 Json nees_json(const Nees& nees) {

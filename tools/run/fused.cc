@@ -25,15 +25,16 @@ class Truth {
     T_EW_.p = frame.to_local(origin);
   }
   bool at(TimeNs t, SE3& out) const {
-    const auto after = std::lower_bound(poses_.begin(), poses_.end(), t,
-                                        [](const auto& pose, TimeNs time) { return pose.t < time; });
+    const auto after =
+        std::lower_bound(poses_.begin(), poses_.end(), t,
+                         [](const auto& pose, TimeNs time) { return pose.t < time; });
     if (after == poses_.end() || (after == poses_.begin() && after->t != t)) return false;
     const TrajectoryPose& b = *after;
     const TrajectoryPose& a = after == poses_.begin() ? b : *(after - 1);
     const double s = b.t == a.t ? 0 : double(t - a.t) / double(b.t - a.t);
     const Mat3 Ra = rotation_from_quat_xyzw(a.q_WB), Rb = rotation_from_quat_xyzw(b.q_WB);
-    out = T_EW_ * SE3{Ra * so3_exp(s * so3_log(Ra.transpose() * Rb)),
-                      a.p_WB + s * (b.p_WB - a.p_WB)};
+    out =
+        T_EW_ * SE3{Ra * so3_exp(s * so3_log(Ra.transpose() * Rb)), a.p_WB + s * (b.p_WB - a.p_WB)};
     return true;
   }
 
@@ -51,8 +52,8 @@ double fixes_rmse(const Recording& recording, const Truth& truth, const LocalFra
     const GnssAntenna& antenna = recording.calibration.gnss;
     if (!truth.at(fix.t + antenna.time_offset_ns, T_EB)) continue;
     if (fix.type < GnssFixType::k3d) continue;
-    const Vec3 p_E = frame.to_local(
-        {fix.latitude_deg * kDegree, fix.longitude_deg * kDegree, fix.height_m});
+    const Vec3 p_E =
+        frame.to_local({fix.latitude_deg * kDegree, fix.longitude_deg * kDegree, fix.height_m});
     sum += (p_E - T_EB * antenna.p_BA).squaredNorm();
     ++count;
   }

@@ -20,11 +20,11 @@ namespace pirvs::tools {
 struct FusedResult {
   bool ok = false;
   size_t poses = 0;
-  double ate_rmse_m = 0, ate_max_m = 0;           // from the first good fix on
-  double aligned_rmse_m = 0;                      // of poses with a heading
-  double fixes_rmse_m = 0;                        // of GNSS alone: accepted or not
-  double heading_rmse_deg = 0;                    // of poses with a heading
-  double nees_position = 0;                       // mean, 3 if honest; poses with a heading
+  double ate_rmse_m = 0, ate_max_m = 0;  // from the first good fix on
+  double aligned_rmse_m = 0;             // of poses with a heading
+  double fixes_rmse_m = 0;               // of GNSS alone: accepted or not
+  double heading_rmse_deg = 0;           // of poses with a heading
+  double nees_position = 0;              // mean, 3 if honest; poses with a heading
   double error_at_end_m = 0;
 };
 

@@ -58,7 +58,7 @@ struct RunResult {
   size_t pool_bytes = 0;
   Trajectory trajectory;  // what trajectory.tum holds
   Evaluation evaluation;
-  Nees nees;  // if the truth has velocities
+  Nees nees;                     // if the truth has velocities
   std::vector<FusedPose> fused;  // in order of time; empty: no GNSS
   FusedResult fused_result;
   HealthState health_at_end = HealthState::kInitializing;

@@ -121,9 +121,10 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("--out", o->out, "folder for the results")->required();
   app.add_option("--calib", o->recording.calibration,
                  "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
-  app.add_option("--gnss", o->recording.gnss,
-                 "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
-                 ".nmea, or RTKLIB's .pos");
+  app.add_option(
+      "--gnss", o->recording.gnss,
+      "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
+      ".nmea, or RTKLIB's .pos");
   app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);

@@ -24,9 +24,8 @@ struct Kind {
   const char* fix;
   double rate_hz, sigma_m, sigma_m_s;
 };
-constexpr Kind kKinds[] = {{"rtk", "fixed", 5, 0.01, 0.03},
-                           {"float", "float", 5, 0.3, 0.05},
-                           {"spp", "3d", 1, 1.5, 0.1}};
+constexpr Kind kKinds[] = {
+    {"rtk", "fixed", 5, 0.01, 0.03}, {"float", "float", 5, 0.3, 0.05}, {"spp", "3d", 1, 1.5, 0.1}};
 
 struct Antenna {
   Vec3 p_W, v_W;
@@ -87,8 +86,8 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
   if (truth.poses.size() < 2) throw InputError("no path", folder, "give a longer ground truth");
   const double rate_hz = options.rate_hz > 0 ? options.rate_hz : kind->rate_hz;
   const double sigma = options.sigma_m > 0 ? options.sigma_m : kind->sigma_m;
-  const LocalFrame frame({options.latitude_deg * kDegree, options.longitude_deg * kDegree,
-                          options.height_m});
+  const LocalFrame frame(
+      {options.latitude_deg * kDegree, options.longitude_deg * kDegree, options.height_m});
   const Mat3 R_EW = so3_exp(Vec3(0, 0, options.heading_deg * kDegree));
   const Vec3 p_BA(options.antenna[0], options.antenna[1], options.antenna[2]);
   Random random(seed, 40);
@@ -106,7 +105,8 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
   for (int k = 0;; ++k) {
     const double t_s = kFirst_s + k / rate_hz;
     if (t_s > end_s) break;
-    const Vec3 e = noise(sigma, kVerticalShare * sigma), e_v = noise(kind->sigma_m_s, kind->sigma_m_s);
+    const Vec3 e = noise(sigma, kVerticalShare * sigma),
+               e_v = noise(kind->sigma_m_s, kind->sigma_m_s);
     if (within(t_s, options.outage_from_s, options.outage_for_s)) continue;
     const Antenna antenna = antenna_at(truth, p_BA, t_s);
     Vec3 p_E = R_EW * antenna.p_W + e;

@@ -19,11 +19,11 @@
 namespace pirvs::tools {
 
 struct GnssOptions {
-  std::string kind;        // rtk, float, spp; empty: no receiver
-  double rate_hz = 0;      // 0: 5 for rtk and float, 1 for spp
-  double sigma_m = 0;      // horizontal; 0: 0.01, 0.3, 1.5; vertical 1.5 times as much
-  bool velocity = true;    // is measured, too
-  double claimed = 1;      // the sigma that it tells, over the true one
+  std::string kind;      // rtk, float, spp; empty: no receiver
+  double rate_hz = 0;    // 0: 5 for rtk and float, 1 for spp
+  double sigma_m = 0;    // horizontal; 0: 0.01, 0.3, 1.5; vertical 1.5 times as much
+  bool velocity = true;  // is measured, too
+  double claimed = 1;    // the sigma that it tells, over the true one
   std::vector<double> antenna = {0, 0, 0};  // in B
   double latency_s = 0;
   double outage_from_s = 0, outage_for_s = 0;

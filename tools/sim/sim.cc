@@ -283,7 +283,8 @@ void make_folders(const std::string& out) {
 void simulate(const SimOptions& options, const SimProgress& progress) {
   constexpr const char* kTruth = "/state_groundtruth_estimate0/data.csv";
   if (!options.gnss_of.empty()) {
-    const std::string mav0 = options.gnss_of + (fs::exists(options.gnss_of + "/mav0") ? "/mav0" : "");
+    const std::string mav0 =
+        options.gnss_of + (fs::exists(options.gnss_of + "/mav0") ? "/mav0" : "");
     return write_gnss(options.gnss, read_trajectory(mav0 + kTruth), options.seed, options.out);
   }
   const Device device = make_device(options);

@@ -96,7 +96,8 @@ void declare_gnss(CLI::App& app, SimOptions& options) {
   app.add_option("--gnss-noise", o.sigma_m, "horizontal standard deviation of a fix, per axis, m")
       ->check(CLI::PositiveNumber);
   app.add_flag("!--gnss-no-velocity", o.velocity, "the receiver measures no velocity");
-  app.add_option("--gnss-claims", o.claimed, "the standard deviation that it tells over the true one")
+  app.add_option("--gnss-claims", o.claimed,
+                 "the standard deviation that it tells over the true one")
       ->capture_default_str()
       ->check(CLI::PositiveNumber);
   app.add_option("--gnss-antenna", o.antenna, "X Y Z, lever arm of the antenna in the body, m")
