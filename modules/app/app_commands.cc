@@ -81,8 +81,7 @@ Status App::record() {
   Result<const char*> folder = "";
   if (sinks_.new_recording != nullptr) folder = sinks_.new_recording(sinks_.context);
   if (!folder.ok()) return folder.status();
-  const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
-                                        calibration_.camera_time_offset_ns, folder.value());
+  const Status status = recorder_.start(calibration_, folder.value());
   if (status != Status::kOk) {
     recorder_.finish();
     return status;
