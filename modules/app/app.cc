@@ -60,6 +60,12 @@ void App::interrupt(TimeNs t, const char* why) {
   output_.replace(estimator_.fused());
 }
 
+void App::take_fix(const GnssFix& fix) {
+  const bool has_pose = fusion_.add_fix(fix);
+  if (sinks_.fix != nullptr) sinks_.fix(sinks_.context, fix, fusion_.last_gate());
+  if (has_pose) tell_fused();
+}
+
 void App::tell_fused() {
   if (sinks_.fused != nullptr) sinks_.fused(sinks_.context, fusion_.pose());
 }
@@ -192,7 +198,7 @@ void App::take(const DoorItem& item) {
       }
       break;
     case DoorItemKind::kGnss:
-      if (fusion_.add_fix(item.gnss)) tell_fused();
+      take_fix(item.gnss);
       break;
     case DoorItemKind::kWheel:
     case DoorItemKind::kEdge:

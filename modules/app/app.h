@@ -113,6 +113,7 @@ class App {
   void take(const DoorItem& item);
   void interrupt(TimeNs t, const char* why);
   void fuse_pose();
+  void take_fix(const GnssFix& fix);
   void tell_fused();
   void end_when_done();
   void tell_late(TimeNs now);

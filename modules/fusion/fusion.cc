@@ -84,7 +84,8 @@ FixGate Fusion::gate(const GnssFix& fix) {
 }
 
 bool Fusion::add_fix(const GnssFix& fix) {
-  gates_.add(gate(fix));
+  last_gate_ = gate(fix);
+  gates_.add(last_gate_);
   publish();
   return pose_.health != FusionHealth::kNone;
 }

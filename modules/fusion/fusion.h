@@ -36,6 +36,7 @@ class Fusion {
   const FusedPose& pose() const { return pose_; }
   const LocalFrame& frame() const { return frame_; }  // E
   bool has_origin() const { return has_origin_; }
+  FixGate last_gate() const { return last_gate_; }  // what became of the newest fix
   const CounterArray<FixGate>& gates() const { return gates_; }
   const CounterArray<FusionEvent>& events() const { return history_.events(); }
 
@@ -74,6 +75,7 @@ class Fusion {
 
   FusedPose pose_;
   uint32_t interruptions_ = 0;
+  FixGate last_gate_ = FixGate::kNoFix;
   CounterArray<FixGate> gates_;
 };
 

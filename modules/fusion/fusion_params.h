@@ -12,7 +12,7 @@ struct FusionParams {
   float turn_rad = 0.1f;
   float drift_m = 0.002f;
   float drift_rad = 1e-4f;
-  float slam_m = 0.005f;
+  float slam_m = 0.003f;
   float slam_rad = 0.003f;
   float slam_m_s = 0.02f;
   float slam_chi2 = 60.0f;

@@ -24,6 +24,10 @@ void on_fused(void* context, const FusedPose& pose) {
   static_cast<RunLog*>(context)->fused.push_back(pose);
 }
 
+void on_fix(void* context, const GnssFix& fix, FixGate gate) {
+  static_cast<RunLog*>(context)->fixes.push_back({fix, gate});
+}
+
 void on_keyframe(void* context, const BodyState& state) {
   static_cast<RunLog*>(context)->keyframes.push_back(state);
 }
@@ -50,6 +54,7 @@ AppSinks RunLog::sinks() {
   sinks.health = on_health;
   sinks.late = on_late;
   sinks.fused = on_fused;
+  sinks.fix = on_fix;
   sinks.keyframe = on_keyframe;
   return sinks;
 }
