@@ -44,7 +44,7 @@ tools::GnssOptions rtk() {
   return gnss;
 }
 
-void print(const char* what, const Replay& run) {
+void print_fused(const char* what, const Replay& run) {
   const tools::FusedResult& f = run.result.fused_result;
   std::printf("%s: ATE %.4f m, with a heading %.4f m, fixes %.3f m, heading %.2f deg, NEES %.2f\n",
               what, f.ate_rmse_m, f.aligned_rmse_m, f.fixes_rmse_m, f.heading_rmse_deg,
@@ -58,7 +58,7 @@ const Replay& rtk_run() {
 
 TEST(gnss, rtk_and_slam_are_a_pose_on_the_earth) {
   const Replay& run = rtk_run();
-  print("rtk", run);
+  print_fused("rtk", run);
   const tools::FusedResult& fused = run.result.fused_result;
   ASSERT_TRUE(fused.ok);
   EXPECT_EQ(run.result.fused.back().health, FusionHealth::kFused);
@@ -103,7 +103,7 @@ TEST(gnss, fixes_of_metres_are_better_together) {
   tools::GnssOptions gnss;
   gnss.kind = "spp";
   const Replay run = replay(with(gnss, "gnss_spp"));
-  print("spp", run);
+  print_fused("spp", run);
   ASSERT_TRUE(run.result.fused_result.ok);
   EXPECT_LT(run.result.fused_result.ate_rmse_m, 0.7 * run.result.fused_result.fixes_rmse_m);
 }
@@ -112,13 +112,13 @@ TEST(gnss, an_outage_and_multipath_move_little) {
   tools::GnssOptions gnss = rtk();
   gnss.outage_from_s = 9, gnss.outage_for_s = 10;
   const Replay out = replay(with(gnss, "gnss_outage"));
-  print("outage", out);
+  print_fused("outage", out);
   EXPECT_EQ(out.result.fused.back().health, FusionHealth::kSlamOnly);
   EXPECT_LT(out.result.fused_result.error_at_end_m, 0.1);
   gnss = rtk();
   gnss.multipath_m = 30, gnss.multipath_from_s = 9, gnss.multipath_for_s = 10;
   const Replay multipath = replay(with(gnss, "gnss_multipath"));
-  print("multipath", multipath);
+  print_fused("multipath", multipath);
   EXPECT_GT(multipath.counter("fixes_position_rejected"), 15u);
   EXPECT_LT(multipath.result.fused_result.error_at_end_m, 0.1);
 }
