@@ -246,12 +246,14 @@ void Fusion::publish() {
   pose_.place = frame_.to_global(pose_.T_EB.p);
   const bool gnss = accepted_t_ != INT64_MIN &&
                     state.t - accepted_t_ <= from_seconds(number(params_.gnss_timeout_s));
-  const bool by_slam = slam != nullptr && state.anchored;
+  const bool recent =
+      slam != nullptr && state.t - slam->t <= from_seconds(kDeadReckoning_s);  // frames come
+  const bool by_slam = recent && state.anchored;
   pose_.sources = static_cast<uint8_t>((by_slam ? kFromSlam : 0) | (gnss ? kFromGnss : 0));
   if (gnss) {
-    pose_.health = by_slam           ? FusionHealth::kFused
-                   : slam != nullptr ? FusionHealth::kAligning
-                                     : FusionHealth::kGnssOnly;
+    pose_.health = by_slam  ? FusionHealth::kFused
+                   : recent ? FusionHealth::kAligning
+                            : FusionHealth::kGnssOnly;
   } else {
     pose_.health = by_slam ? FusionHealth::kSlamOnly : FusionHealth::kDeadReckoning;
   }

@@ -110,6 +110,7 @@ void FusionHistory::apply_slam(FusionState& state, const FusionEntry& entry, boo
     return come_back(state, slam, again);
   }
   state.w_B = slam.w_B;
+  state.w_t = state.t;
   state.epoch = slam.epoch;
 }
 
@@ -118,6 +119,11 @@ FixGate FusionHistory::apply(FusionEntry& entry, FusionState& state, bool again)
     propagate(state, entry.t, number(params_.accel_m_s2), number(params_.turn_rad));
   }
   state.t = entry.t;
+  const bool lost = state.anchored && yaw_variance(state) > square(number(params_.keep_rad));
+  if (lost && entry.kind != Kind::kSlam) {
+    forget_heading(state, p_BA_);
+    tell(FusionEvent::kHeadingLost, again);
+  }
   switch (entry.kind) {
     case Kind::kFix:
       return apply_fix(state, entry.fix);
@@ -126,10 +132,6 @@ FixGate FusionHistory::apply(FusionEntry& entry, FusionState& state, bool again)
       break;
     case Kind::kNoSlam:
       state.w_B.setZero();
-      if (state.anchored && yaw_variance(state) > square(number(params_.keep_rad))) {
-        forget_heading(state, p_BA_);
-        tell(FusionEvent::kHeadingLost, again);
-      }
       break;
     case Kind::kTime:
       break;

@@ -1,6 +1,7 @@
 #include "modules/fusion/fusion_state.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 
 #include "core/math/so3.h"
@@ -51,20 +52,26 @@ Vec13 boxminus(const FusionState& a, const FusionState& b) {
   return out;
 }
 
+double turning_s(const FusionState& state, double dt_s) {
+  const double age_s = to_seconds(state.t - state.w_t);
+  return std::clamp(kRateHolds_s - age_s, 0.0, dt_s);
+}
+
 Mat13 transition(const FusionState& state, double dt_s) {
   Mat13 F = Mat13::Identity();
-  F.block<3, 3>(kFuseTheta, kFuseTheta) = so3_exp(-dt_s * state.w_B);
+  F.block<3, 3>(kFuseTheta, kFuseTheta) = so3_exp(-turning_s(state, dt_s) * state.w_B);
   F.block<3, 3>(kFusePos, kFuseVel) = dt_s * Mat3::Identity();
   return F;
 }
 
 void propagate(FusionState& state, TimeNs t, double accel_noise, double turn_noise) {
   const double dt = to_seconds(t - state.t);
-  state.t = t;
   if (!(dt > 0)) return;
   const Mat13 F = transition(state, dt);
+  const Vec3 turn = turning_s(state, dt) * state.w_B;
+  state.t = t;
   state.T_EB.p += dt * state.v_EB;
-  state.T_EB.R = orthonormalized(state.T_EB.R * so3_exp(dt * state.w_B));
+  state.T_EB.R = orthonormalized(state.T_EB.R * so3_exp(turn));
   state.cov = (F * state.cov * F.transpose()).eval();
   const double accel2 = accel_noise * accel_noise;
   for (int i = 0; i < 3; ++i) {
@@ -136,6 +143,7 @@ void anchor_anew(FusionState& state, const SlamMeasurement& slam) {
   state.cov = J * cov * J.transpose() + J_slam * noise_of(slam) * J_slam.transpose();
   symmetrize(state.cov);
   state.w_B = slam.w_B;
+  state.w_t = state.t;
   state.has_anchor = true;
   state.epoch = slam.epoch;
 }
@@ -146,6 +154,7 @@ void place_by_anchor(FusionState& state, const SE3& T_EW, const Mat4& cov,
   state.T_EB = T_EW * slam.T_WB;
   state.v_EB = T_EW.R * slam.v_WB;
   state.w_B = slam.w_B;
+  state.w_t = state.t;
   state.placed = state.anchored = state.has_anchor = true;
   state.epoch = slam.epoch;
   const Vec3 arm = state.T_EB.p - T_EW.p;

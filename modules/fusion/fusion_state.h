@@ -17,6 +17,7 @@
 namespace pirvs {
 
 inline constexpr int kFusionErrors = 13;
+inline constexpr double kRateHolds_s = 0.15;
 enum : int { kFuseTheta = 0, kFusePos = 3, kFuseVel = 6, kFuseAnchor = 9, kFuseYaw = 12 };
 
 using Vec13 = Eigen::Matrix<double, kFusionErrors, 1>;
@@ -26,7 +27,9 @@ struct FusionState {
   TimeNs t = 0;
   SE3 T_EB;
   Vec3 v_EB = Vec3::Zero();
-  Vec3 w_B = Vec3::Zero();  // at which the attitude turns on: measured, zero if nobody measures it
+  // At which the attitude turns on, for kRateHolds_s after it was measured.
+  Vec3 w_B = Vec3::Zero();
+  TimeNs w_t = 0;
   SE3 T_EW;
   bool placed = false;  // false: nothing is known yet
   // False: the heading is unknown. T_EB.p is then the antenna's, and the attitude says nothing.
@@ -59,6 +62,7 @@ Vec13 boxminus(const FusionState& a, const FusionState& b);
 
 // Eq. 7: velocity and turn rate stay for dt. Noise densities in m/s^2/sqrt(Hz) and rad/sqrt(s).
 Mat13 transition(const FusionState& state, double dt_s);
+double turning_s(const FusionState& state, double dt_s);  // the part of dt in which w_B holds
 void propagate(FusionState& state, TimeNs t, double accel_noise, double turn_noise);
 
 // SLAM's frame walks under the body: it turns about the body's place, which stays where it is.

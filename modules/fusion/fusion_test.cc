@@ -319,6 +319,25 @@ TEST(fusion, without_slam_gnss_carries_the_position_and_says_so) {
   EXPECT_LT(world.heading_error(), 1 * kDeg);
 }
 
+// No frames at all, as at a recording's end: nobody says that SLAM is lost.
+TEST(fusion, when_frames_stay_away_the_heading_is_given_up) {
+  World world(20);
+  world.begin();
+  world.run(60);
+  for (int k = 1; k <= 10; ++k) {
+    GnssFix fix = world.fix_at(60 + 0.2 * k);
+    world.fusion->add_fix(fix);
+    if (k >= 2) EXPECT_EQ(world.fusion->pose().health, FusionHealth::kGnssOnly) << k;
+  }
+  EXPECT_FALSE(world.fusion->pose().has_heading);
+  EXPECT_EQ(world.event(FusionEvent::kHeadingLost), 1u);
+  world.frame += 45;
+  ++world.resets;
+  world.run(64);
+  EXPECT_EQ(world.fusion->pose().health, FusionHealth::kFused);
+  EXPECT_LT(world.heading_error(), 1 * kDeg);
+}
+
 TEST(fusion, another_epoch_after_a_loss_is_aligned_anew) {
   World world(11);
   world.begin();
