@@ -51,6 +51,7 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   output_.configure(pirvs::scaled(calibration.imu, scaled.imu),
                     static_cast<double>(scaled.tracking.tracker.cov_scale),
                     from_seconds(static_cast<double>(scaled.door.bridge_s)));
+  fusion_.configure(calibration.gnss, params.fusion);
 }
 
 // What was fused before has nothing to say about what comes.
@@ -59,12 +60,38 @@ void App::interrupt(TimeNs t, const char* why) {
   output_.replace(estimator_.fused());
 }
 
+void App::take_fix(const GnssFix& fix) {
+  const bool has_pose = fusion_.add_fix(fix);
+  if (sinks_.fix != nullptr) sinks_.fix(sinks_.context, fix, fusion_.last_gate());
+  if (has_pose) tell_fused();
+}
+
+void App::tell_fused() {
+  if (sinks_.fused != nullptr) sinks_.fused(sinks_.context, fusion_.pose());
+}
+
+// SLAM's pose at a frame. Before a first fix there is nothing to fuse it with.
+void App::fuse_pose() {
+  if (!fusion_.has_origin()) return;
+  const FusedState fused = estimator_.fused();
+  Pose pose;
+  pose.state = fused.state;
+  pose.state.t = pose.t_frame = door_t_;
+  pose.w_B = w_B_ - fused.state.b_g;
+  pose.cov = fused.cov.topLeftCorner<9, 9>();
+  pose.health = fused.running ? fused.health : HealthState::kLost;
+  pose.trust = fused.trust;
+  pose.epoch = fused.epoch;
+  if (fusion_.add_pose(pose)) tell_fused();
+}
+
 void App::check_clocks() {
   const int c = (frame_present_ & 1) != 0 ? 0 : 1;
   const ClockCheck::Frame frame = {door_t_, c, &estimator_.tracks(c),
                                    estimator_.tracker().state().b_g};
   const ClockVerdict verdict = door_.judge_clocks(frame);
   if (verdict == ClockVerdict::kRight) return;
+  if (verdict == ClockVerdict::kImuSet) fusion_.interrupt();
   interrupt(door_t_, verdict == ClockVerdict::kImuSet ? "the IMU's clock was set"
                                                       : "the cameras' clock was set");
 }
@@ -149,7 +176,9 @@ void App::take(const DoorItem& item) {
       break;
     case DoorItemKind::kImu: {
       const bool in_doubt = door_.in_doubt(item.imu.t);
+      if (item.imu.t < door_t_) fusion_.interrupt();
       door_t_ = item.imu.t;
+      w_B_ = item.imu.w_B;
       if (item.broken) interrupt(item.imu.t, "input interrupted");
       output_.doubt_stamps(in_doubt);
       exposure_.turn(item.imu.w_B.norm());
@@ -169,6 +198,8 @@ void App::take(const DoorItem& item) {
       }
       break;
     case DoorItemKind::kGnss:
+      take_fix(item.gnss);
+      break;
     case DoorItemKind::kWheel:
     case DoorItemKind::kEdge:
       break;  // nobody asks for them yet
@@ -178,6 +209,7 @@ void App::take(const DoorItem& item) {
 Step App::tracking_step() {
   if (estimator_.tracking_step() == Step::kIdle) return Step::kIdle;
   output_.fuse(estimator_.fused());
+  fuse_pose();
   check_clocks();
   const TimeNs later = estimator_.correct_time();
   door_.watch().correct(later);
@@ -256,6 +288,7 @@ int App::pools(NamedValue* out, int max) {
   };
   add("recorder", sizeof(recorder_));
   add("output", sizeof(output_));
+  add("fusion", sizeof(fusion_));
   size_t named = 0;
   for (int i = 0; i < count; ++i) named += out[i].value;
   add("app", sizeof(App) - named);
@@ -274,6 +307,8 @@ int App::counters(NamedValue* out, int max) const {
   }
   add("fused_states_missed", output_.predictor().anchors_missed());
   add("poses_not_finite", output_.predictor().not_finite());
+  for_each_counter(fusion_.gates(), add);
+  for_each_counter(fusion_.events(), add);
   static constexpr const char* kLate[kTasks][2] = {
       {"overruns_door", "slips_door"},         {"overruns_prepare", "slips_prepare"},
       {"overruns_left", "slips_left"},         {"overruns_right", "slips_right"},

@@ -23,6 +23,7 @@
 #include "modules/door/door.h"
 #include "modules/door/inbox.h"
 #include "modules/exposure/auto_exposure.h"
+#include "modules/fusion/fusion.h"
 #include "modules/map/map_file.h"
 #include "modules/output/output.h"
 #include "modules/recorder/recorder.h"
@@ -98,6 +99,8 @@ class App {
     return estimator_.tracker().self_calibration();
   }
   TimeNs camera_correction() const { return camera_correction_; }
+  // East, north, up about the first good fix: where AppSinks::fused stands. The door's core.
+  const LocalFrame& local_frame() const { return fusion_.frame(); }
 
   const Map& map() const { return estimator_.map(); }  // once finished
   // The landmarks that tracking sees now, each once; the door's core. Returns the count.
@@ -122,6 +125,9 @@ class App {
   Step tracking_step();
   void take(const DoorItem& item);
   void interrupt(TimeNs t, const char* why);
+  void fuse_pose();
+  void take_fix(const GnssFix& fix);
+  void tell_fused();
   void end_when_done();
   void tell_late(TimeNs now);
   void control_exposure();
@@ -141,6 +147,8 @@ class App {
   Intake intake_;
   Estimator estimator_;
   Output output_;
+  Fusion fusion_;
+  Vec3 w_B_ = Vec3::Zero();  // as the gyro last measured it
   Recorder recorder_;
   bool recorder_core_runs_ = false;
   MapIndex map_index_;

@@ -81,8 +81,7 @@ Status App::record() {
   Result<const char*> folder = "";
   if (sinks_.new_recording != nullptr) folder = sinks_.new_recording(sinks_.context);
   if (!folder.ok()) return folder.status();
-  const Status status = recorder_.start(calibration_.camera, calibration_.cameras, calibration_.imu,
-                                        calibration_.camera_time_offset_ns, folder.value());
+  const Status status = recorder_.start(calibration_, folder.value());
   if (status != Status::kOk) {
     recorder_.finish();
     return status;
@@ -174,6 +173,7 @@ Status App::retune(const char* name, float value) {
       std::memcmp(&changed.exposure, &params_.exposure, sizeof changed.exposure) != 0;
   if (exposure) exposure_.retune(changed.exposure);
   params_ = changed;
+  fusion_.retune(params_.fusion);
   estimator_.retune(for_lens(params_, calibration_.camera[0]));
   return Status::kOk;
 }

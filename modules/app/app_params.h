@@ -13,6 +13,7 @@
 #include "modules/door/door_params.h"
 #include "modules/exposure/exposure_params.h"
 #include "modules/frontend/frontend_params.h"
+#include "modules/fusion/fusion_params.h"
 #include "modules/health/health_params.h"
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapping_params.h"
@@ -31,6 +32,7 @@ struct AppParams {
   TrackingParams tracking;
   MappingParams mapping;
   ExposureParams exposure;
+  FusionParams fusion;
 };
 
 // Calls visit(group, struct, rows) for every group.
@@ -47,6 +49,7 @@ constexpr void for_each_group(Params& p, Visit&& visit) {
   visit("health", p.tracking.health, kHealthRows);
   visit("mapping", p.mapping, kMappingRows);
   visit("exposure", p.exposure, kExposureRows);
+  visit("fusion", p.fusion, kFusionRows);
 }
 
 constexpr size_t parameter_count() {

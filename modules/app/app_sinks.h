@@ -8,6 +8,8 @@
 #include "core/base/status.h"
 #include "core/sched/late_watch.h"
 #include "modules/door/command.h"
+#include "modules/fusion/fix_check.h"
+#include "modules/fusion/fused_pose.h"
 #include "modules/output/pose.h"
 
 namespace pirvs {
@@ -28,6 +30,10 @@ struct AppSinks {
   void* context = nullptr;
   void (*frame)(void*, const FrameReport&) = nullptr;
   void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
+  // With GNSS, from its first good fix on: after each frame and fix. A late fix changes the pose
+  // at the newest time.
+  void (*fused)(void*, const FusedPose&) = nullptr;
+  void (*fix)(void*, const GnssFix&, FixGate) = nullptr;   // what became of it
   void (*keyframe)(void*, const BodyState&) = nullptr;     // leaving the map, refined as it is then
   void (*answer)(void*, const Answer&) = nullptr;          // to a command
   void (*late)(void*, TimeNs, const LateTask&) = nullptr;  // live alone: a task is late repeatedly

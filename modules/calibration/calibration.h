@@ -1,7 +1,7 @@
 // What    a device's calibration says, as every part of the stack uses it.
 // Frames  B = the IMU; each Camera carries T_BC. camera[0] is the left, camera[1] the right one.
 // Units   camera_time_offset_ns: t_imu_clock = t_camera_stamp + offset, ns (Kalibr's
-//         timeshift_cam_imu).
+//         timeshift_cam_imu). GnssAntenna: t_imu_clock = stamp of a fix + offset.
 // Source  PIRVS paper, section II (factory calibration).
 #pragma once
 
@@ -11,11 +11,17 @@
 
 namespace pirvs {
 
+struct GnssAntenna {
+  Vec3 p_BA = Vec3::Zero();  // of its phase centre in B
+  TimeNs time_offset_ns = 0;
+};
+
 struct Calibration {
   Camera camera[2];
   int cameras = 2;
   ImuNoise imu;
   TimeNs camera_time_offset_ns = 0;
+  GnssAntenna gnss;
 };
 
 }  // namespace pirvs

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kRotation = 1e-6;
 constexpr double kLever_m_max = 5.0;
+constexpr double kAntenna_m_max = 50.0;
 constexpr double kFocal_min = 0.05, kFocal_max = 20.0;  // of the image's width
 constexpr double kAspect_max = 2.0;                     // fx / fy and its inverse
 constexpr double kReprojection_px = 0.1;
@@ -96,6 +97,16 @@ CalibrationFault find_imu_fault(const ImuNoise& imu) {
   return {};
 }
 
+CalibrationFault find_gnss_fault(const GnssAntenna& gnss) {
+  if (!gnss.p_BA.allFinite() || gnss.p_BA.norm() > kAntenna_m_max) {
+    return {"gnss", "the antenna is more than 50 m from the IMU", "give it in metres"};
+  }
+  if (gnss.time_offset_ns > kOffset_max || gnss.time_offset_ns < -kOffset_max) {
+    return {"gnss", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
+  }
+  return {};
+}
+
 CalibrationFault find_stereo_fault(const Camera& left, const Camera& right) {
   const SE3 T_C0C1 = left.T_BC.inverse() * right.T_BC;
   const double baseline_m = T_C0C1.p.norm();
@@ -126,6 +137,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
     return {"cameras", "the time offset to the IMU is more than 1 s",
             "give timeshift_cam_imu in seconds"};
   }
+  if (const auto fault = find_gnss_fault(calibration.gnss)) return fault;
   if (calibration.cameras < 2) return {};
   return find_stereo_fault(calibration.camera[0], calibration.camera[1]);
 }

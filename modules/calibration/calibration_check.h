@@ -13,7 +13,7 @@
 namespace pirvs {
 
 struct CalibrationFault {
-  const char* where = "";  // "cam0", "cam1", "imu", "cameras"
+  const char* where = "";  // "cam0", "cam1", "imu", "cameras", "gnss"
   const char* what = nullptr;
   const char* what_to_do = "";
 

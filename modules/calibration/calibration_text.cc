@@ -98,6 +98,18 @@ constexpr ImuKey kImuKeys[] = {
 
 constexpr const char* kCameraNames[kCamerasMax] = {"cam0.", "cam1."};
 constexpr const char* kImuName = "imu.";
+constexpr const char* kGnssName = "gnss.";
+
+const char* read_gnss(std::string_view key, std::string_view value, GnssAntenna& out) {
+  if (key == "antenna") return read_numbers(value, out.p_BA.data(), 3) ? nullptr : kNumbers;
+  if (key != "time_offset_ns") return "no such key in a calibration";
+  int64_t whole = 0;
+  if (!read_whole(value, -kOffset_ns_max, kOffset_ns_max, whole)) {
+    return "needs whole nanoseconds, below 1000 s";
+  }
+  out.time_offset_ns = whole;
+  return nullptr;
+}
 
 // Which keys have been there, a bit each.
 struct Seen {
@@ -121,6 +133,8 @@ const char* read_line(const KeyValue& line, Calibration& out, Seen& seen) {
     out.camera_time_offset_ns = whole;
     return nullptr;
   }
+  const std::string_view gnss = behind(line.key, kGnssName);
+  if (!gnss.empty()) return read_gnss(gnss, line.value, out.gnss);
   for (int c = 0; c < kCamerasMax; ++c) {
     const std::string_view name = behind(line.key, kCameraNames[c]);
     for (size_t i = 0; i < std::size(kCameraKeys); ++i) {
@@ -200,6 +214,11 @@ void write_calibration(const Calibration& calibration, TextWriter& out) {
   }
   for (const ImuKey& key : kImuKeys) {
     put_numbers(out, kImuName, key.name, &(calibration.imu.*key.field), 1);
+  }
+  const GnssAntenna& gnss = calibration.gnss;
+  if (!gnss.p_BA.isZero(0)) put_numbers(out, kGnssName, "antenna", gnss.p_BA.data(), 3);
+  if (gnss.time_offset_ns != 0) {
+    out.put(kGnssName).put("time_offset_ns = ").number(gnss.time_offset_ns).put('\n');
   }
 }
 

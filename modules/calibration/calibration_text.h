@@ -13,6 +13,9 @@
 //                                                     is made exact
 //           imu.gyro_noise = 1.7e-4                   imu_noise.h; gyro_walk, accel_noise,
 //           imu.rate_hz = 200                         accel_walk likewise
+//         These may be missing; they are zero then, and are not written:
+//           gnss.antenna = 0 0 0.1                    metres, in B
+//           gnss.time_offset_ns = 0
 // Frames, units  as in calibration.h.
 // Errors  A fault with its line; the calibration is then undefined. Whether it makes sense is asked
 //         of find_fault (calibration_check.h).

@@ -39,6 +39,22 @@ std::string written(const Calibration& calibration) {
   return text.c_str();
 }
 
+TEST(CalibrationText, TheAntennaMayBeMissing) {
+  Calibration in = euroc_like(), out;
+  EXPECT_EQ(written(in).find("gnss"), std::string::npos);
+  in.gnss = {Vec3(0.1, -1.0 / 3.0, 0.8), -20'000'000};
+  ASSERT_FALSE(read_calibration(written(in), out));
+  EXPECT_EQ(out.gnss.p_BA, in.gnss.p_BA);
+  EXPECT_EQ(out.gnss.time_offset_ns, in.gnss.time_offset_ns);
+  EXPECT_FALSE(find_fault(out));
+  for (const char* line :
+       {"gnss.antenna = 1 2\n", "gnss.time_offset_ns = soon\n", "gnss.x = 1\n"}) {
+    EXPECT_TRUE(read_calibration(written(in) + line, out)) << line;
+  }
+  in.gnss.p_BA.x() = 100;
+  EXPECT_STREQ(find_fault(in).where, "gnss");
+}
+
 TEST(CalibrationText, ReadsWhatItWrote) {
   const Calibration in = euroc_like();
   Calibration out;

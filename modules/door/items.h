@@ -16,8 +16,8 @@ enum class GnssFixType : uint8_t { kNone, k2d, k3d, kFloat, kFixed };
 struct GnssFix {
   TimeNs t = 0;
   double latitude_deg = 0, longitude_deg = 0, height_m = 0;
-  Vec3 v_ned = Vec3::Zero();
-  double sigma_horizontal_m = 0, sigma_vertical_m = 0, sigma_velocity_m_s = 0;
+  Vec3 v_ned = Vec3::Zero();  // z NaN: only the horizontal velocity is measured
+  double sigma_horizontal_m = 0, sigma_vertical_m = 0, sigma_velocity_m_s = 0;  // of one axis
   GnssFixType type = GnssFixType::kNone;
   bool has_velocity = false;
 };

@@ -44,8 +44,7 @@ Status Recorder::open(Table& table, const char* name, const char* heading) {
   return Status::kOk;
 }
 
-Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
-                       TimeNs camera_time_offset_ns, const char* folder) {
+Status Recorder::start(const Calibration& calibration, const char* folder) {
   if (busy()) return Status::kStale;
   folder_ = folder;
   failed_ = false;
@@ -53,11 +52,14 @@ Status Recorder::start(const Camera* cameras, int count, const ImuNoise& noise,
   repeated_names_ = 0;
   for (TimeNs& t : last_t_) t = INT64_MIN;
   while (map_ring_.front() != nullptr) map_ring_.pop();  // it came while the last one ended
-  for (int c = 0; c < count; ++c) {
-    PIRVS_TRY(write_camera_yaml(c, cameras[c], camera_time_offset_ns));
+  for (int c = 0; c < calibration.cameras; ++c) {
+    PIRVS_TRY(write_camera_yaml(c, calibration.camera[c], calibration.camera_time_offset_ns));
     PIRVS_TRY(open(camera_[c], kCameraTable[c], "#timestamp [ns],filename\n"));
   }
-  PIRVS_TRY(write_imu_yaml(noise));
+  PIRVS_TRY(write_imu_yaml(calibration.imu));
+  const GnssAntenna& antenna = calibration.gnss;
+  const bool gnss = !antenna.p_BA.isZero(0) || antenna.time_offset_ns != 0;
+  if (gnss) PIRVS_TRY(write_gnss_yaml(antenna));
   PIRVS_TRY(open(imu_, "mav0/imu0/data.csv",
                  "#timestamp [ns],w_x [rad/s],w_y [rad/s],w_z [rad/s],f_x [m/s^2],f_y [m/s^2],"
                  "f_z [m/s^2]\n"));
@@ -104,6 +106,17 @@ Status Recorder::write_imu_yaml(const ImuNoise& noise) {
   text.put("\naccelerometer_noise_density: ").exact(noise.accel_noise);
   text.put("\naccelerometer_random_walk: ").exact(noise.accel_walk).put("\n");
   return write_text("mav0/imu0/sensor.yaml", text);
+}
+
+Status Recorder::write_gnss_yaml(const GnssAntenna& antenna) {
+  Text<kBlock> text;
+  text.put("sensor_type: gnss\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) text.put(i == j ? "1, " : "0, ");
+    text.exact(antenna.p_BA[i]).put(", ");
+  }
+  text.put("0, 0, 0, 1]\ntime_offset: ").exact(to_seconds(antenna.time_offset_ns)).put("\n");
+  return write_text("mav0/gnss0/sensor.yaml", text);
 }
 
 // A row that cannot be kept leaves its item out, too: the rows that follow must find theirs.

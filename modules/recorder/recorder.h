@@ -5,11 +5,11 @@
 //         own. A frame is held (bsp::camera_retain) until it is written. One recording may follow
 //         the other, each in a folder of its own.
 // Out     By bsp/api/storage.h, below the recording's folder: mav0/cam*/data/*.pgm with data.csv
-//         and sensor.yaml, imu0 likewise. An image is listed once it is complete, and rows wait for
-//         kFlush_ns at most, so that what is left after a power cut is whole. Numbers read back to
-//         the bit. mav0/order.csv: a row for each arrival in its order, so that a replay can follow
-//         it (order_row.h). mav0/maps.csv: the newest keyframe that mapping had finished when each
-//         frame began.
+//         and sensor.yaml, imu0 likewise, gnss0/sensor.yaml if there is an antenna. An image is
+//         listed once it is complete, and rows wait for kFlush_ns at most, so that what is left
+//         after a power cut is whole. Numbers read back to the bit. mav0/order.csv: a row for each
+//         arrival in its order, so that a replay can follow it (order_row.h). mav0/maps.csv: the
+//         newest keyframe that mapping had finished when each frame began.
 // Units   ns, rad/s, m/s^2, grey values, as the sensors have them.
 // Errors  Rings full: the item is dropped and counted. Storage full or broken: said once on the
 //         console; what comes after is dropped and counted; nobody else is told or delayed.
@@ -27,6 +27,7 @@
 #include "core/camera/camera.h"
 #include "core/sched/scheduler.h"
 #include "core/store/ring.h"
+#include "modules/calibration/calibration.h"
 #include "modules/door/arrival.h"
 #include "modules/imu/imu_noise.h"
 #include "modules/recorder/order_row.h"
@@ -51,8 +52,7 @@ class Recorder {
 
   // Opens the files and writes the calibration. `folder` ends with '/' unless it is empty; the text
   // must stay while busy(). kStale: the last recording has not been written to its end.
-  Status start(const Camera* cameras, int count, const ImuNoise& noise,
-               TimeNs camera_time_offset_ns, const char* folder = "");
+  Status start(const Calibration& calibration, const char* folder = "");
   bool started() const { return started_; }  // this recording or an earlier one
   bool recording() const { return state_ == State::kRecording; }
   bool busy() const { return state_ != State::kIdle; }
@@ -107,6 +107,7 @@ class Recorder {
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
   Status write_imu_yaml(const ImuNoise& noise);
+  Status write_gnss_yaml(const GnssAntenna& antenna);
   Status write_text(const char* name, const TextWriter& text);
   Status write_image(const ImageView& image, const char* name);
   void flush_when_due();

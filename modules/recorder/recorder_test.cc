@@ -25,7 +25,7 @@ class recorder : public testing::Test {
     fs::create_directories(folder_);
     path_ = folder_.string();
     bsp::set_storage_directory(path_.c_str());
-    for (Camera& camera : cameras_) {
+    for (Camera& camera : calibration_.camera) {
       camera.width = 4;
       camera.height = 2;
       camera.fx = camera.fy = 1.0 / 3;
@@ -72,13 +72,15 @@ class recorder : public testing::Test {
   std::string path_;
   StereoFrame next_;
   int released_ = 0;
-  Camera cameras_[2];
+  Calibration calibration_;
   std::vector<uint8_t> pixels_ = {'a', 'b', 'c', 'd', '-', 'e', 'f', 'g', 'h', '-'};
   std::unique_ptr<Recorder> recorder_ = std::make_unique<Recorder>();
 };
 
 TEST_F(recorder, writes_what_it_is_given) {
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 4'000'000), Status::kOk);
+  calibration_.camera_time_offset_ns = 4'000'000;
+  calibration_.gnss.p_BA = Vec3(0.1, 0, 0.8);
+  ASSERT_EQ(recorder_->start(calibration_), Status::kOk);
   recorder_->arrival(arrival_of(ImuSample{5, Vec3(0.1, -1, 0), Vec3(0, 0, 9.81)}));
   record(7);
   record(9, 1);
@@ -90,6 +92,9 @@ TEST_F(recorder, writes_what_it_is_given) {
   EXPECT_EQ(content("cam1/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n7,7_1.pgm\n");
   EXPECT_NE(content("imu0/data.csv").find("\n5,0.1,-1,0,0,0,9.81\n"), std::string::npos);
   EXPECT_NE(content("imu0/sensor.yaml").find("\nrate_hz: 200\n"), std::string::npos);
+  EXPECT_NE(
+      content("gnss0/sensor.yaml").find("1, 0, 0, 0.1, 0, 1, 0, 0, 0, 0, 1, 0.8, 0, 0, 0, 1]"),
+      std::string::npos);
   EXPECT_NE(content("cam1/sensor.yaml").find("\nresolution: [4, 2]\n"), std::string::npos);
   EXPECT_NE(content("cam1/sensor.yaml").find("\ntimeshift_cam_imu: 0.004\n"), std::string::npos);
   EXPECT_EQ(recorder_->frames_written(), 3u);
@@ -97,7 +102,7 @@ TEST_F(recorder, writes_what_it_is_given) {
 }
 
 TEST_F(recorder, writes_the_order_of_all_that_comes) {
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  ASSERT_EQ(recorder_->start(calibration_), Status::kOk);
   recorder_->arrival(arrival_of(ImuSample{5, Vec3::Zero(), Vec3::Zero()}, true));
   record(11, 3, 4);
   GnssFix fix;
@@ -123,7 +128,7 @@ TEST_F(recorder, writes_the_order_of_all_that_comes) {
 }
 
 TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  ASSERT_EQ(recorder_->start(calibration_), Status::kOk);
   EXPECT_TRUE(recorder_->has_room());
   for (TimeNs t = 1; t <= 10; ++t) record(t);
   EXPECT_FALSE(recorder_->has_room());
@@ -140,19 +145,19 @@ TEST_F(recorder, drops_and_counts_what_the_writer_is_too_slow_for) {
 }
 
 TEST_F(recorder, one_follows_the_other_in_a_folder_of_its_own) {
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0001/"), Status::kOk);
+  ASSERT_EQ(recorder_->start(calibration_, "0001/"), Status::kOk);
   record(7);
-  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kStale) << "it records";
+  EXPECT_EQ(recorder_->start(calibration_, "0002/"), Status::kStale) << "it records";
   recorder_->stop();
   EXPECT_FALSE(recorder_->recording());
-  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kStale)
+  EXPECT_EQ(recorder_->start(calibration_, "0002/"), Status::kStale)
       << "the last is not written yet";
   while (recorder_->step() == Step::kAgain) {
   }
   recorder_->finish();
   EXPECT_FALSE(recorder_->busy());
   recorder_->decision(7, 1);  // of a core that has not seen the end
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0, "0002/"), Status::kOk);
+  ASSERT_EQ(recorder_->start(calibration_, "0002/"), Status::kOk);
   record(5);  // the stamps of a new recording are judged by themselves
   write_all();
   EXPECT_EQ(content_of("0001/mav0/cam0/data.csv"), "#timestamp [ns],filename\n7,7.pgm\n");
@@ -165,13 +170,13 @@ TEST_F(recorder, one_follows_the_other_in_a_folder_of_its_own) {
 
 TEST_F(recorder, says_at_the_start_that_it_cannot_write) {
   std::ofstream(path_ + "/mav0") << "a file where the folder should be";
-  EXPECT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kNotFound);
+  EXPECT_EQ(recorder_->start(calibration_), Status::kNotFound);
   EXPECT_FALSE(recorder_->started());
   recorder_->finish();
 }
 
 TEST_F(recorder, what_cannot_be_written_later_is_counted) {
-  ASSERT_EQ(recorder_->start(cameras_, 2, ImuNoise{}, 0), Status::kOk);
+  ASSERT_EQ(recorder_->start(calibration_), Status::kOk);
   fs::create_directories(path_ + "/mav0/cam0");
   std::ofstream(path_ + "/mav0/cam0/data") << "in the way";
   record(1);

@@ -22,8 +22,11 @@
 #include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
 #include "modules/door/door.h"
+#include "modules/gnss/nmea.h"
+#include "modules/gnss/ubx.h"
 #include "modules/link/link.h"
 #include "tools/dataset/calibration_file.h"
+#include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/recording.h"
@@ -350,6 +353,50 @@ void mavlink(const uint8_t* data, size_t size) {
     link.poll(now);
     link.answer({0, CommandKind::kReset, Status::kStale});
   }
+// Whatever a receiver sends: every fix has numbers, and every byte is in a frame or counted.
+void expect_numbers(const ReceiverFix& read) {
+  const GnssFix& fix = read.fix;
+  PIRVS_ASSERT(fix.type <= GnssFixType::kFixed);
+  if (fix.type == GnssFixType::kNone) return;
+  PIRVS_ASSERT(std::isfinite(fix.latitude_deg) && std::isfinite(fix.longitude_deg));
+  PIRVS_ASSERT(std::isfinite(fix.height_m) && fix.v_ned.head<2>().allFinite());
+  PIRVS_ASSERT(fix.sigma_horizontal_m >= 0 && fix.sigma_vertical_m >= 0);
+}
+
+void ubx(const uint8_t* data, size_t size) {
+  const auto reader = std::make_unique<UbxReader>();
+  ReceiverFix fix;
+  for (size_t i = 0; i < size; ++i) {
+    if (reader->take(data[i], fix)) expect_numbers(fix);
+  }
+  while (reader->flush(fix)) expect_numbers(fix);
+  PIRVS_ASSERT(reader->counters().bytes_outside <= size);
+  PIRVS_ASSERT(size >= reader->counters().bytes_outside + size_t{8} * reader->counters().frames);
+}
+
+void nmea(const uint8_t* data, size_t size) {
+  NmeaReader reader;
+  ReceiverFix fix;
+  for (size_t i = 0; i < size; ++i) {
+    if (reader.take(data[i], fix)) expect_numbers(fix);
+  }
+  while (reader.flush(fix)) expect_numbers(fix);
+  PIRVS_ASSERT(reader.counters().bytes_outside <= size);
+}
+
+void gnss_table(const uint8_t* data, size_t size) {
+  const MemoryFile file(data, size);
+  for (const auto format : {tools::GnssFormat::kTable, tools::GnssFormat::kRtklib}) {
+    expect_result_or_refusal([&] {
+      std::vector<tools::Count> rejected;
+      const auto fixes = tools::read_gnss(file.path(), format, rejected);
+      for (size_t i = 0; i < fixes.size(); ++i) {
+        expect_numbers({fixes[i], false, 0});
+        PIRVS_ASSERT(i == 0 || fixes[i].t > fixes[i - 1].t);
+      }
+    });
+  }
+  expect_result_or_refusal([&] { (void)tools::read_gnss_sensor(file.path()); });
 }
 
 }  // namespace
@@ -368,6 +415,9 @@ const Target kTargets[] = {
     {"device_text", device_text},
     {"typed_text", typed_text},
     {"mavlink", mavlink},
+    {"ubx", ubx},
+    {"nmea", nmea},
+    {"gnss_table", gnss_table},
 };
 const size_t kTargetCount = std::size(kTargets);
 

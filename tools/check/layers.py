@@ -36,6 +36,8 @@ MODULES = {
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
     "link": ["state", "imu", "health", "output", "door"],
+    "gnss": ["door"],
+    "fusion": ["state", "calibration", "health", "output", "door"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder", "stream")

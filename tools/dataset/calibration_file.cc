@@ -161,6 +161,31 @@ Camera read_asl_camera(const std::string& path, TimeNs& offset) {
   return camera;
 }
 
+GnssSensor read_gnss_sensor(const std::string& path) {
+  constexpr double kSeconds_max = 10;
+  const Source source(path);
+  const YAML::Node& root = source.root();
+  const auto seconds = [&](const char* key) {
+    if (!root[key]) return TimeNs{0};
+    const double value = source.get<double>(root, key);
+    if (!(std::abs(value) < kSeconds_max)) source.fail("needs a few seconds at most", key);
+    return from_seconds(value);
+  };
+  GnssSensor out;
+  if (root["T_BS"]) out.antenna.p_BA = asl_transform(source).p;
+  out.antenna.time_offset_ns = seconds("time_offset");
+  out.latency_ns = seconds("latency");
+  if (out.latency_ns < 0) source.fail("needs a number not below 0", "latency");
+  if (!root["truth_world"]) return out;
+  const auto truth = source.numbers(root, "truth_world", 4);
+  out.has_truth = true;
+  out.truth_latitude_deg = truth[0];
+  out.truth_longitude_deg = truth[1];
+  out.truth_height_m = truth[2];
+  out.truth_heading_deg = truth[3];
+  return out;
+}
+
 Calibration read_asl_calibration(const std::string& mav0) {
   Calibration out;
   const Source imu(mav0 + "/imu0/sensor.yaml");
@@ -174,6 +199,10 @@ Calibration read_asl_calibration(const std::string& mav0) {
     out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
     if (c == 0) out.camera_time_offset_ns = offset;
   }
+  const std::string gnss = mav0 + "/gnss0/sensor.yaml";
+  if (!std::filesystem::exists(gnss)) return out;
+  out.gnss = read_gnss_sensor(gnss).antenna;
+  out.gnss.p_BA = T_SB * out.gnss.p_BA;
   return out;
 }
 

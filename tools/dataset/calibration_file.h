@@ -32,6 +32,18 @@ void check_sense(const Calibration& calibration, const std::string& where);
 // One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
 Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset_ns);
 
+// gnss0/sensor.yaml: T_BS, and what a simulator knows besides.
+struct GnssSensor {
+  GnssAntenna antenna;
+  TimeNs latency_ns = 0;  // from a fix's time to its arrival
+  // The world of the recording's ground truth: its origin, and the angle from east to its x axis,
+  // counter-clockwise.
+  bool has_truth = false;
+  double truth_latitude_deg = 0, truth_longitude_deg = 0, truth_height_m = 0;
+  double truth_heading_deg = 0;
+};
+GnssSensor read_gnss_sensor(const std::string& path);
+
 // Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
 ImuNoise read_imu_noise(const std::string& path);
 

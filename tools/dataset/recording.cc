@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "tools/dataset/calibration_file.h"
+#include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/pack_file.h"
@@ -98,10 +99,34 @@ void cut(const RecordingOptions& options, Recording& recording) {
   const TimeNs offset = recording.calibration.camera_time_offset_ns;
   const TimeNs imu_begin = frames.front().t + offset - kImuMargin;
   const TimeNs imu_end = frames.back().t + offset + kImuMargin;
+  auto& fixes = recording.gnss;
+  fixes.erase(std::remove_if(fixes.begin(), fixes.end(),
+                             [&](const GnssFix& f) { return f.t < imu_begin || f.t > imu_end; }),
+              fixes.end());
   auto& imu = recording.imu;
   imu.erase(std::remove_if(imu.begin(), imu.end(),
                            [&](const ImuSample& s) { return s.t < imu_begin || s.t > imu_end; }),
             imu.end());
+}
+
+// Of a file, of gnss0, or as the recorder wrote them among all that came.
+void read_fixes(const std::string& mav0, const RecordingOptions& options, Recording& recording) {
+  const std::string beside = fs::path(options.gnss).parent_path().string();
+  const bool own = options.gnss.empty() || !fs::exists(beside + "/sensor.yaml");
+  const std::string folder = own ? mav0 + "/gnss0" : beside;
+  if (fs::exists(folder + "/sensor.yaml")) {
+    recording.gnss_sensor = read_gnss_sensor(folder + "/sensor.yaml");
+    if (!own) recording.calibration.gnss = recording.gnss_sensor.antenna;
+  }
+  const std::string file = options.gnss.empty() ? folder + "/data.csv" : options.gnss;
+  if (!options.gnss.empty() || fs::exists(file)) {
+    recording.gnss = read_gnss(file, gnss_format(file), recording.rejected);
+    recording.gnss_apart = true;
+    return;
+  }
+  for (const OrderRow& row : recording.order) {
+    if (row.kind == ArrivalKind::kGnss) recording.gnss.push_back(row.gnss);
+  }
 }
 
 void check_overlap(const Recording& recording) {
@@ -213,6 +238,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
   } else {
     read_frames(mav0, recording);
   }
+  read_fixes(mav0, options, recording);
   cut(options, recording);
   check_overlap(recording);
   for (const char* name : {"/state_groundtruth_estimate0/data.csv", "/groundtruth.tum"}) {

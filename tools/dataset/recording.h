@@ -1,7 +1,7 @@
 // What    What a recorded folder holds: calibration, frames (file names), IMU samples, the truth.
 // In      An ASL/EuRoC folder, or its mav0, or a file that `pirvs pack` wrote. cam0, imu0 are
-//         needed; cam1 and state_groundtruth_estimate0 (or groundtruth.tum) are used if they are
-//         there.
+//         needed; cam1, gnss0 and state_groundtruth_estimate0 (or groundtruth.tum) are used if they
+//         are there.
 // Out     Frames and samples in order of time, or, where the recording has an order.csv, all of
 //         them in the order in which they came. A frame whose partner is missing stays, alone.
 // Frames  B = the IMU.
@@ -20,6 +20,7 @@
 #include "core/kernels/image.h"
 #include "modules/calibration/calibration.h"
 #include "modules/recorder/order_row.h"
+#include "tools/dataset/calibration_file.h"
 #include "tools/dataset/trajectory.h"
 
 namespace pirvs::tools {
@@ -42,6 +43,7 @@ struct RecordingOptions {
   double start_s = 0;       // skip this much, from the first frame
   double duration_s = 0;    // 0: to the end
   bool mono = false;        // the left camera alone, whatever was recorded
+  std::string gnss;         // for read_gnss; empty: the folder's own
 };
 
 struct Recording {
@@ -49,6 +51,9 @@ struct Recording {
   Calibration calibration;
   std::vector<FrameFiles> frames;
   std::vector<ImuSample> imu;
+  std::vector<GnssFix> gnss;
+  bool gnss_apart = false;  // they do not stand in `order`
+  GnssSensor gnss_sensor;
   // As the recorder wrote it, in which case frames and samples are all that came, whatever their
   // stamps; else empty. Only of a whole recording, not of a part.
   std::vector<OrderRow> order;

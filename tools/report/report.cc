@@ -341,11 +341,11 @@ std::string make_report(const RunInfo& info, const Recording& recording, const R
   source.health = health_spans(source);
   std::vector<Count> input = recording.rejected;
   input.insert(input.end(), player_rejected.begin(), player_rejected.end());
-  const std::string body = head(info, result) + trajectory_section(source) + error_section(source) +
-                           timing_section(source) + state_section(source) + health_section(source) +
-                           heading("Counters") + counter_list(log.counters) +
-                           heading("Input rejected by the reader") + counter_list(input) +
-                           memory_section(source);
+  const std::string body = head(info, result) + trajectory_section(source) + gnss_section(source) +
+                           error_section(source) + timing_section(source) + state_section(source) +
+                           health_section(source) + heading("Counters") +
+                           counter_list(log.counters) + heading("Input rejected by the reader") +
+                           counter_list(input) + memory_section(source);
   return html_page("PIRVS: " + info.sequence, body);
 }
 

@@ -58,4 +58,7 @@ inline Figure time_figure(const Source& s, const std::string& title, const std::
 // CPU time, latency, matching.
 std::string timing_section(const Source& s);
 
+// With GNSS: the map of east and north, what became of the fixes. Empty without.
+std::string gnss_section(const Source& s);
+
 }  // namespace pirvs::tools

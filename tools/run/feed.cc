@@ -11,7 +11,8 @@ Feed::Feed(const Recording& recording, const std::vector<Fault>& faults,
       player_(recording),
       on_frame_(std::move(on_frame)),
       camera_delay_(recording.calibration.camera_time_offset_ns + camera_latency),
-      follows_order_(!recording.order.empty() && faults.empty() && camera_latency == 0) {}
+      follows_order_(!recording.order.empty() && faults.empty() && camera_latency == 0),
+      tells_fixes_(!recording.gnss.empty() && (!follows_order_ || recording.gnss_apart)) {}
 
 bsp::RecordingSource Feed::source() {
   bsp::RecordingSource out = {this, next_imu, next_frame, release_frame, arrival};
@@ -83,10 +84,25 @@ bool Feed::order(void* context, bsp::RecordedArrival& out) {
 
 bool Feed::next_told(void* context, Arrival& out) {
   Feed& feed = *static_cast<Feed*>(context);
+  if (feed.tells_fixes_ && next_fix_told(context, out)) return true;
   bsp::RecordedArrival next;
   if (!feed.follows_order_ || !order(context, next)) return false;
   if (next.kind != bsp::RecordedArrival::Kind::kOther) return false;
   out = pirvs::arrival_of(feed.recording_.order[feed.order_at_++]);
+  return true;
+}
+
+// A fix comes once the IMU has come to its time, and as much later as the receiver takes.
+bool Feed::next_fix_told(void* context, Arrival& out) {
+  Feed& feed = *static_cast<Feed*>(context);
+  const Recording& recording = feed.recording_;
+  if (feed.fix_at_ == recording.gnss.size()) return false;
+  const GnssFix& fix = recording.gnss[feed.fix_at_];
+  const TimeNs comes =
+      fix.t + recording.calibration.gnss.time_offset_ns + recording.gnss_sensor.latency_ns;
+  if (feed.imu_arrival_ < comes) return false;
+  ++feed.fix_at_;
+  out = pirvs::arrival_of(fix);
   return true;
 }
 

@@ -25,8 +25,11 @@ class Feed {
                 std::function<void(size_t played)> on_frame = {}, TimeNs camera_latency = 0);
   bsp::RecordingSource source();
 
-  // What was told in the recorded run, each at its turn: for App::replay_inbox().
+  // What was told in the recorded run, each at its turn, or the recording's fixes as they would
+  // have come: for App::replay_inbox().
   ArrivalSource inbox() { return {this, next_told}; }
+  // The fixes alone, in real time.
+  ArrivalSource fixes() { return {this, next_fix_told}; }
   // Up to which keyframe mapping had come when each recorded frame began.
   MapDecisions maps() { return {this, next_map}; }
 
@@ -41,6 +44,7 @@ class Feed {
   static bool order(void* context, bsp::RecordedArrival& out);
   static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
   static bool next_told(void* context, Arrival& out);
+  static bool next_fix_told(void* context, Arrival& out);
   static bool next_map(void* context, uint32_t& keyframe);
 
   const Recording& recording_;
@@ -50,8 +54,9 @@ class Feed {
   const StereoFrame* lent_[bsp::kReplayFrames] = {};  // by the slot of its id
   TimeNs camera_delay_;  // from a frame's stamp to its arrival, on the IMU's clock
   bool follows_order_;   // faults and a latency would change it
+  bool tells_fixes_;     // they are not among what the order tells
   size_t order_at_ = 0, map_at_ = 0;
-  size_t imu_at_ = 0;
+  size_t imu_at_ = 0, fix_at_ = 0;
   TimeNs imu_arrival_ = 0, frame_arrival_ = 0;
 };
 

@@ -15,6 +15,7 @@
 #include "modules/recorder/recorder.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
+#include "tools/dataset/test_recording.h"
 
 namespace pirvs::tools {
 namespace {
@@ -43,8 +44,7 @@ class Device {
  public:
   Device() {
     door_->configure(calibration(), DoorParams{});
-    const Calibration c = calibration();
-    EXPECT_EQ(recorder_->start(c.camera, 2, c.imu, c.camera_time_offset_ns), Status::kOk);
+    EXPECT_EQ(recorder_->start(calibration()), Status::kOk);
     bsp::play(camera(), bsp::ReplayPace::kFast);
   }
   void push(const Arrival& arrival, bool at_once = false) {
@@ -269,7 +269,7 @@ TEST(feed, a_recorded_run_gives_the_same_items_and_the_same_recording) {
   bsp::set_storage_directory(second_path.c_str());
   const auto recorder = std::make_unique<Recorder>();
   const Calibration& c = recording.calibration;
-  ASSERT_EQ(recorder->start(c.camera, 2, c.imu, c.camera_time_offset_ns), Status::kOk);
+  ASSERT_EQ(recorder->start(c), Status::kOk);
   const auto tap = [](void* to, const Arrival& arrival) {
     static_cast<Recorder*>(to)->arrival(arrival);
     while (static_cast<Recorder*>(to)->step() == Step::kAgain) {
@@ -302,6 +302,28 @@ TEST(feed, a_recorded_run_gives_the_same_items_and_the_same_recording) {
     EXPECT_TRUE(content(folder / "mav0" / file) == content(second / "mav0" / file)) << file;
   }
   fs::remove_all(folder);
+}
+
+// A fix comes when the IMU has come to its time, and as much later as the receiver takes.
+TEST(feed, fixes_come_late_by_the_latency) {
+  const TestRecording files;
+  files.write("gnss0/sensor.yaml", "latency: 0.02\n");
+  files.write("gnss0/data.csv", "#timestamp [ns],a,b,c,d,e,f,g,h,i,fix\n" +
+                                    std::to_string(TestRecording::kBegin_ns + 3'000'000) +
+                                    ",47,8,400,,,,1,1,,3d\n");
+  const Recording recording = open_recording(files.folder(), {});
+  Feed feed(recording);
+  const bsp::RecordingSource source = feed.source();
+  const ArrivalSource told = feed.inbox();
+  Arrival arrival;
+  ImuSample sample;
+  TimeNs came = 0;
+  while (came == 0 && source.next_imu(source.context, sample)) {
+    if (told.next(told.context, arrival)) came = sample.t;
+  }
+  EXPECT_EQ(arrival.kind, ArrivalKind::kGnss);
+  EXPECT_EQ(came, TestRecording::kBegin_ns + 25'000'000);
+  EXPECT_FALSE(told.next(told.context, arrival));
 }
 
 TEST(feed, a_row_of_the_order_that_makes_no_sense_is_named) {

@@ -54,6 +54,26 @@ Json evaluation_json(const Evaluation& e) {
           {"tilt_max_deg", e.tilt_max_deg}};
 }
 
+// null: no GNSS; without a truth on the Earth the errors are null.
+Json fused_json(const RunResult& result, const RunLog& log) {
+  if (result.fused.empty()) return nullptr;
+  const FusedResult& f = result.fused_result;
+  const auto error = [&f](double value) { return f.ok ? Json(value) : Json(nullptr); };
+  const Geodetic& origin = log.local_frame.origin();
+  constexpr double kDegree = M_PI / 180;
+  return {
+      {"poses", result.fused.size()},
+      {"origin", {origin.latitude_rad / kDegree, origin.longitude_rad / kDegree, origin.height_m}},
+      {"health_at_end", name(result.fused.back().health)},
+      {"ate_rmse_m", error(f.ate_rmse_m)},
+      {"ate_max_m", error(f.ate_max_m)},
+      {"ate_aligned_rmse_m", error(f.aligned_rmse_m)},
+      {"fixes_rmse_m", error(f.fixes_rmse_m)},
+      {"heading_rmse_deg", error(f.heading_rmse_deg)},
+      {"nees_position", error(f.nees_position)},
+      {"error_at_end_m", error(f.error_at_end_m)}};
+}
+
 Json nees_json(const Nees& nees) {
   if (!nees.ok) return nullptr;
   Json out = {{"frames", nees.frames.size()}};
@@ -101,6 +121,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"health", health_json(result)},
                      {"evaluation", evaluation_json(result.evaluation)},
                      {"nees", nees_json(result.nees)},
+                     {"fused", fused_json(result, log)},
                      {"timing_ms", timing},
                      {"latency_ms",
                       {{"imu_to_pose", latency_json(log.imu_to_pose)},
@@ -269,6 +290,10 @@ void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& re
   out.write("trajectory.tum", trajectory_tum(result));
   out.write("state.csv", state_csv(log));
   if (result.nees.ok) out.write("nees.csv", nees_csv(log, result.nees));
+  if (!result.fused.empty()) {
+    out.write("fused.tum", fused_tum(result.fused));
+    out.write("fused.csv", fused_csv(result.fused));
+  }
   out.write("keyframes.tum", keyframes_tum(log));
   out.write("map.ply", map_ply(log));
   out.write("timing.csv", timing_csv(log));

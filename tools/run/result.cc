@@ -142,6 +142,8 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
       result.nees = evaluate_nees(estimates, trajectory_pose(first.t, first), recording.truth);
     }
   }
+  result.fused = in_order(log.fused);
+  result.fused_result = evaluate_fused(recording, result.fused, log.local_frame);
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
   if (log.frames.empty()) return result;
   result.done = status == Status::kOk && is_whole(recording, log) && !lost(log.frames.back());

@@ -12,6 +12,7 @@
 
 #include "tools/eval/eval.h"
 #include "tools/eval/nees.h"
+#include "tools/run/fused.h"
 #include "tools/run/run_log.h"
 
 namespace pirvs::tools {
@@ -57,7 +58,9 @@ struct RunResult {
   size_t pool_bytes = 0;
   Trajectory trajectory;  // what trajectory.tum holds
   Evaluation evaluation;
-  Nees nees;  // if the truth has velocities
+  Nees nees;                     // if the truth has velocities
+  std::vector<FusedPose> fused;  // in order of time; empty: no GNSS
+  FusedResult fused_result;
   HealthState health_at_end = HealthState::kInitializing;
   size_t frames_degraded = 0;
   Statistics confidence;  // of frames with a pose

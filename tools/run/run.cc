@@ -71,6 +71,11 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
     std::printf("the cameras' offset was corrected by %.2f ms (sigma %.2f)\n",
                 1e3 * to_seconds(log.camera_correction), 1e3 * log.calibration.time_sigma_s);
   }
+  const FusedResult& fused = r.fused_result;
+  if (fused.ok) {
+    std::printf("with GNSS: ATE %.4f m, not aligned (fixes alone %.3f m), heading %.2f deg\n",
+                fused.ate_rmse_m, fused.fixes_rmse_m, fused.heading_rmse_deg);
+  }
   std::printf("written to %s\n", options.out.c_str());
 }
 
@@ -102,7 +107,7 @@ int run(const Options& options, const std::string& command) {
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, sinks);
     if (robot) robot->open(app, recording.calibration.imu);
-    if (!options.real_time) app.replay_inbox(feed.inbox());
+    app.replay_inbox(options.real_time ? feed.fixes() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
@@ -140,6 +145,10 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("--out", o->out, "folder for the results")->required();
   app.add_option("--calib", o->recording.calibration,
                  "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
+  app.add_option(
+      "--gnss", o->recording.gnss,
+      "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
+      ".nmea, or RTKLIB's .pos");
   app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
   app.add_option("--start", o->recording.start_s, "skip this many seconds")
       ->check(CLI::NonNegativeNumber);

@@ -20,6 +20,14 @@ void on_late(void* context, TimeNs t, const LateTask& task) {
   static_cast<RunLog*>(context)->late.push_back({t, task});
 }
 
+void on_fused(void* context, const FusedPose& pose) {
+  static_cast<RunLog*>(context)->fused.push_back(pose);
+}
+
+void on_fix(void* context, const GnssFix& fix, FixGate gate) {
+  static_cast<RunLog*>(context)->fixes.push_back({fix, gate});
+}
+
 void on_keyframe(void* context, const BodyState& state) {
   static_cast<RunLog*>(context)->keyframes.push_back(state);
 }
@@ -45,6 +53,8 @@ AppSinks RunLog::sinks() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.fused = on_fused;
+  sinks.fix = on_fix;
   sinks.keyframe = on_keyframe;
   return sinks;
 }
@@ -72,6 +82,7 @@ void RunLog::finish(const App& app) {
   for (size_t slot = 0; slot < map.landmarks.capacity(); ++slot) {
     if (const Landmark* landmark = map.landmarks.at(slot)) points.push_back(*landmark);
   }
+  local_frame = app.local_frame();
   NamedValue values[kNamedMax];
   counters = named(values, app.counters(values, kNamedMax));
   pools = named(values, App::pools(values, kNamedMax));

@@ -33,9 +33,17 @@ struct PublishedPose {
   TimeNs t_published = 0;  // on the same clock
 };
 
+struct FixEvent {
+  GnssFix fix;
+  FixGate gate = FixGate::kAccepted;
+};
+
 struct RunLog {
   std::vector<FrameReport> frames;  // in order of time, one per frame that went through
   std::vector<HealthEvent> health;
+  std::vector<FusedPose> fused;      // with GNSS alone, as they came
+  LocalFrame local_frame;            // where they stand
+  std::vector<FixEvent> fixes;       // as they came
   std::vector<LateEvent> late;       // live alone
   std::vector<PublishedPose> poses;  // in real time alone
   std::vector<BodyState> keyframes;  // sorted by time after finish()

@@ -281,6 +281,12 @@ void make_folders(const std::string& out) {
 }  // namespace
 
 void simulate(const SimOptions& options, const SimProgress& progress) {
+  constexpr const char* kTruth = "/state_groundtruth_estimate0/data.csv";
+  if (!options.gnss_of.empty()) {
+    const std::string mav0 =
+        options.gnss_of + (fs::exists(options.gnss_of + "/mav0") ? "/mav0" : "");
+    return write_gnss(options.gnss, read_trajectory(mav0 + kTruth), options.seed, options.out);
+  }
   const Device device = make_device(options);
   Path path = make_path(options, device);
   Scene scene(path, options.seed, options.boxes, options.movers,
@@ -297,6 +303,10 @@ void simulate(const SimOptions& options, const SimProgress& progress) {
   write_camera(job, 0);
   write_camera(job, 1);
   write_imu(job);
+  const std::string mav0 = options.out + "/mav0";
+  if (!options.gnss.kind.empty()) {
+    write_gnss(options.gnss, read_trajectory(mav0 + kTruth), options.seed, mav0 + "/gnss0");
+  }
   draw_all(job, progress);
 }
 

@@ -1,6 +1,7 @@
 // What    Simulates a recording: a device flown through a textured hall, written as an ASL folder.
 // In      SimOptions; the same options give the same bytes, however many threads draw.
-// Out     mav0/ with cam0, cam1, imu0, state_groundtruth_estimate0 (17 columns at IMU rate).
+// Out     mav0/ with cam0, cam1, imu0, state_groundtruth_estimate0 (17 columns at IMU rate), and
+//         gnss0 if asked for.
 // Frames  B = IMU; W: z up.
 // Units   s, Hz, grey values, SI.
 // Errors  InputError: unknown device, folder cannot be written, nonsensical numbers.
@@ -12,6 +13,7 @@
 #include <string>
 
 #include "tools/sim/device.h"
+#include "tools/sim/gnss_model.h"
 #include "tools/sim/imu_model.h"
 
 namespace pirvs::tools {
@@ -44,6 +46,8 @@ struct SimOptions {
   int movers = 0;
   double mover = 0;         // share of the view that one object fills that sways before the camera
   double mover_from_s = 0;  // 0: it is there from the start
+  GnssOptions gnss;
+  std::string gnss_of;  // only the fixes along this recording's truth: out is a gnss0
   std::string format = "png";
   int threads = 2;
 };

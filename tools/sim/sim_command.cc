@@ -87,6 +87,33 @@ void declare_imu(CLI::App& app, SimOptions& o) {
       ->capture_default_str();
 }
 
+void declare_gnss(CLI::App& app, SimOptions& options) {
+  GnssOptions& o = options.gnss;
+  app.add_option("--gnss", o.kind,
+                 "add a GNSS receiver: rtk (1 cm, 5 Hz), float (0.3 m, 5 Hz) or spp (1.5 m, 1 Hz)")
+      ->check(CLI::IsMember({"rtk", "float", "spp"}));
+  app.add_option("--gnss-rate", o.rate_hz, "fixes per second")->check(CLI::Range(0.01, 100.0));
+  app.add_option("--gnss-noise", o.sigma_m, "horizontal standard deviation of a fix, per axis, m")
+      ->check(CLI::PositiveNumber);
+  app.add_flag("!--gnss-no-velocity", o.velocity, "the receiver measures no velocity");
+  app.add_option("--gnss-claims", o.claimed,
+                 "the standard deviation that it tells over the true one")
+      ->capture_default_str()
+      ->check(CLI::PositiveNumber);
+  app.add_option("--gnss-antenna", o.antenna, "X Y Z, lever arm of the antenna in the body, m")
+      ->expected(3);
+  app.add_option("--gnss-latency", o.latency_s, "time from a fix to its arrival, s")
+      ->check(CLI::Range(0.0, 10.0));
+  app.add_option("--gnss-outage-from", o.outage_from_s, "start of an outage, s");
+  app.add_option("--gnss-outage-for", o.outage_for_s, "length of the outage, s");
+  app.add_option("--gnss-multipath", o.multipath_m, "error by multipath, m");
+  app.add_option("--gnss-multipath-from", o.multipath_from_s, "start of the multipath, s");
+  app.add_option("--gnss-multipath-for", o.multipath_for_s, "length of the multipath, s");
+  app.add_option("--gnss-of", options.gnss_of,
+                 "SEQ, write no recording, only the fixes along the ground truth of that one: "
+                 "pirvs run SEQ --gnss OUT/data.csv");
+}
+
 void declare_image(CLI::App& app, SimOptions& o) {
   app.add_option("--exposure", o.exposure_ms, "exposure time, ms")
       ->capture_default_str()
@@ -139,6 +166,7 @@ std::function<int()> declare(CLI::App& app) {
   declare_steady(app, *options);
   declare_imu(app, *options);
   declare_image(app, *options);
+  declare_gnss(app, *options);
   return [options] {
     {
       std::unique_ptr<Progress> bar;
