@@ -6,7 +6,7 @@ namespace pirvs {
 namespace {
 
 constexpr float kDamping = 10.0f;    // grey^2 / px^2: texture of 3 grey / px is held half
-constexpr float kDrawAgain = 0.03f;  // of deformation: 0.2 px at the patch's edge
+constexpr float kDrawAgain = 0.05f;  // of deformation: 0.35 px at the edge of the patch
 constexpr float kContrastAgain = 0.06f;
 
 bool drifted(const Deformation& now, const Deformation& drawn) {
