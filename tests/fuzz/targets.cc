@@ -353,6 +353,8 @@ void mavlink(const uint8_t* data, size_t size) {
     link.poll(now);
     link.answer({0, CommandKind::kReset, Status::kStale});
   }
+}
+
 // Whatever a receiver sends: every fix has numbers, and every byte is in a frame or counted.
 void expect_numbers(const ReceiverFix& read) {
   const GnssFix& fix = read.fix;
