@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
-
 #include <cmath>
 #include <memory>
 #include <vector>
@@ -32,11 +31,9 @@ struct World {
 
   explicit World(uint32_t seed) : random(seed) {
     fusion = std::make_unique<Fusion>();
-    const Geodetic origin = {47.4 * kDeg, 8.5 * kDeg, 450};
-    truth_frame = LocalFrame(origin);
+    truth_frame = LocalFrame(Geodetic{47.4 * kDeg, 8.5 * kDeg, 450});
   }
   void begin() { fusion->configure({p_BA, 0}, params); }
-
   static constexpr double kFrame_s = 0.05;
 
   SE3 T_EB(double t) const {
