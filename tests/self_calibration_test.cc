@@ -12,13 +12,10 @@ namespace {
 
 constexpr TimeNs kLate = 20'000'000;
 
-// The clip where it is there, else a simulated flight: stamps of both are right to the microsecond.
-const tools::Recording& flight() {
-  return clip() != nullptr ? *clip() : simulated(SimulatedDevice::kEuroc);
-}
-
+// Of the clip, whose stamps are right to the microsecond; a simulated flight of some seconds is too
+// short to correct 20 ms.
 Replay late_by(TimeNs offset, bool estimate) {
-  tools::Recording recording = flight();
+  tools::Recording recording = *clip();
   recording.calibration.camera_time_offset_ns += offset;
   ReplayOptions options;
   options.estimate_time = estimate;
@@ -31,6 +28,7 @@ Replay late_by(TimeNs offset, bool estimate) {
 }
 
 TEST(self_calibration, right_stamps_are_found_right_and_left_alone) {
+  if (clip() == nullptr) GTEST_SKIP();
   const Replay aligned = late_by(0, false);
   EXPECT_TRUE(aligned.log.calibration_news[0].empty()) << aligned.log.calibration_news[0];
   EXPECT_TRUE(aligned.log.calibration_news[1].empty()) << aligned.log.calibration_news[1];
@@ -39,6 +37,7 @@ TEST(self_calibration, right_stamps_are_found_right_and_left_alone) {
 }
 
 TEST(self_calibration, an_offset_is_told_and_corrected) {
+  if (clip() == nullptr) GTEST_SKIP();
   for (const TimeNs offset : {kLate, -kLate}) {
     const Replay told = late_by(offset, false);
     EXPECT_NE(told.log.calibration_news[0].find(offset > 0 ? "older" : "newer"), std::string::npos)
