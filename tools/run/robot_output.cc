@@ -82,6 +82,14 @@ void RobotOutput::tap(AppSinks& sinks) {
     const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
     tapped.keyframe(tapped.context, state);
   };
+  sinks.fused = [](void* self, const FusedPose& pose) {
+    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
+    tapped.fused(tapped.context, pose);
+  };
+  sinks.fix = [](void* self, const GnssFix& fix, FixGate gate) {
+    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
+    tapped.fix(tapped.context, fix, gate);
+  };
   sinks.late = [](void* self, TimeNs t, const LateTask& task) {
     const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
     tapped.late(tapped.context, t, task);
