@@ -71,17 +71,11 @@ void App::tell_fused() {
 }
 
 // SLAM's pose at a frame. Before a first fix there is nothing to fuse it with.
-void App::fuse_pose() {
+void App::fuse_pose(const FusedState& fused) {
   if (!fusion_.has_origin()) return;
-  const FusedState fused = estimator_.fused();
-  Pose pose;
-  pose.state = fused.state;
-  pose.state.t = pose.t_frame = door_t_;
-  pose.w_B = w_B_ - fused.state.b_g;
-  pose.cov = fused.cov.topLeftCorner<9, 9>();
-  pose.health = fused.running ? fused.health : HealthState::kLost;
-  pose.trust = fused.trust;
-  pose.epoch = fused.epoch;
+  Pose pose = pose_of(fused, door_t_, w_B_);
+  pose.state.t = door_t_;
+  if (!fused.running) pose.health = HealthState::kLost;
   if (fusion_.add_pose(pose)) tell_fused();
 }
 
@@ -208,8 +202,9 @@ void App::take(const DoorItem& item) {
 
 Step App::tracking_step() {
   if (estimator_.tracking_step() == Step::kIdle) return Step::kIdle;
-  output_.fuse(estimator_.fused());
-  fuse_pose();
+  const FusedState fused = estimator_.fused();
+  output_.fuse(fused);
+  fuse_pose(fused);
   check_clocks();
   const TimeNs later = estimator_.correct_time();
   door_.watch().correct(later);

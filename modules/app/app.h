@@ -125,7 +125,7 @@ class App {
   Step tracking_step();
   void take(const DoorItem& item);
   void interrupt(TimeNs t, const char* why);
-  void fuse_pose();
+  void fuse_pose(const FusedState& fused);
   void take_fix(const GnssFix& fix);
   void tell_fused();
   void end_when_done();

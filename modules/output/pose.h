@@ -35,6 +35,20 @@ struct Pose {
   bool dead_reckoning = false;  // the fused state is older than kDeadReckoning_s
 };
 
+// As a consumer gets it: the state, which may have been moved on since its frame, with a rate that
+// was measured at its time.
+inline Pose pose_of(const FusedState& fused, TimeNs t_frame, const Vec3& w_measured_B) {
+  Pose out;
+  out.state = fused.state;
+  out.t_frame = t_frame;
+  out.w_B = w_measured_B - fused.state.b_g;
+  out.cov = fused.cov.topLeftCorner<9, 9>();
+  out.health = fused.health;
+  out.trust = fused.trust;
+  out.epoch = fused.epoch;
+  return out;
+}
+
 // Three periods of a slow camera (10 Hz).
 inline constexpr double kDeadReckoning_s = 0.3;
 

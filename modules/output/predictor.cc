@@ -95,15 +95,8 @@ bool Predictor::is_finite() const {
 }
 
 void Predictor::fill(Pose& out) const {
-  out.state = fused_.state;
-  out.t_published = 0;
-  out.t_frame = t_frame_;
-  out.w_B = at(end_ - 1).w_B - fused_.state.b_g;
-  out.cov = fused_.cov.topLeftCorner<9, 9>();
-  out.health = fused_.health;
-  out.trust = fused_.trust;
+  out = pose_of(fused_, t_frame_, at(end_ - 1).w_B);
   if (in_doubt()) out.trust.confidence = std::min(out.trust.confidence, kDoubtConfidence);
-  out.epoch = fused_.epoch;
   out.dead_reckoning = to_seconds(out.state.t - t_frame_) > kDeadReckoning_s;
 }
 

@@ -119,33 +119,35 @@ void Associator::drop_movers(const StandstillDetector& standstill) {
   }
 }
 
-Correspondences& Associator::collect(double sigma_px, const StandstillDetector& standstill) {
+void Associator::begin_collecting() {
   correspondences_.clear();
   corresponding_.clear();
+}
+
+void Associator::add(int c, const Track& track, const Vec2& uv, double sigma_px) {
+  const MapPoint* shown = point(c, track);
+  if (shown == nullptr || shown->epoch != map_.epoch()) return;
+  (void)correspondences_.push_back({shown->p_W, shown->cov, uv, sigma_px, c, Gate::kAccepted});
+  (void)corresponding_.push_back(&track);
+}
+
+Correspondences& Associator::collect(double sigma_px, const StandstillDetector& standstill) {
+  begin_collecting();
   for (int c = 0; c < kCamerasMax; ++c) {
     for (const Track& track : tracks(c)) {
-      const MapPoint* shown = point(c, track);
-      if (shown == nullptr || shown->epoch != map_.epoch()) continue;
       if (standstill.at_rest() && !standstill.stands(c, track)) continue;
-      (void)correspondences_.push_back(
-          {shown->p_W, shown->cov, Vec2(track.x, track.y), sigma_px, c, Gate::kAccepted});
-      (void)corresponding_.push_back(&track);
+      add(c, track, Vec2(track.x, track.y), sigma_px);
     }
   }
   return correspondences_;
 }
 
 Correspondences& Associator::collect(double sigma_px, const RecentFrames& frames, uint32_t frame) {
-  correspondences_.clear();
-  corresponding_.clear();
+  begin_collecting();
   for (int c = 0; c < kCamerasMax; ++c) {
     for (const Track& track : tracks(c)) {
-      const MapPoint* shown = point(c, track);
       Vec2 uv;
-      if (shown == nullptr || shown->epoch != map_.epoch()) continue;
-      if (!frames.place(c, track, frame, uv)) continue;
-      (void)correspondences_.push_back({shown->p_W, shown->cov, uv, sigma_px, c, Gate::kAccepted});
-      (void)corresponding_.push_back(&track);
+      if (frames.place(c, track, frame, uv)) add(c, track, uv, sigma_px);
     }
   }
   return correspondences_;

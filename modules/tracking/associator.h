@@ -75,6 +75,9 @@ class Associator {
   int tracked_made_by(uint32_t keyframe) const;
 
  private:
+  void begin_collecting();
+  void add(int c, const Track& track, const Vec2& uv, double sigma_px);
+
   Camera camera_[kCamerasMax];
   int cameras_ = kCamerasMax;
   MatchingParams params_;

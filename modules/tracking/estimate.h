@@ -38,9 +38,9 @@ class Estimate {
   void stand_still(const StandstillDetector& standstill);
   void end_rest() { resting_ = false; }
   // What is seen. Returns how many correspondences were accepted.
-  int update(Correspondences& correspondences) { return filter_.update(correspondences); }
-  int update_again(Correspondences& correspondences) {
-    return filter_.update(correspondences, true);
+  // again: of a frame that was fused before.
+  int update(Correspondences& correspondences, bool again = false) {
+    return filter_.update(correspondences, again);
   }
   // After what is seen was fused: the next frame at rest goes on from here.
   void note_rest();

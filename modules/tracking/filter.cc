@@ -103,8 +103,8 @@ int Filter::update(Correspondences& correspondences, bool again) {
   Mat6 gain_core = Mat6::Zero();
   for (int i = 0; i < static_cast<int>(params_.iterations_max); ++i) {
     const PoseInformation info = linearize(state_, correspondences);
-    if (i == 0 && listener_ != nullptr) listener_->update(info, cov_, state_, last_, again);
     const auto solver = (Mat6::Identity() + info.A * P_pp).partialPivLu();
+    if (i == 0 && listener_ != nullptr) listener_->update(info, solver, cov_, state_, last_, again);
     const Vec15 next = P_c * solver.solve(info.b + info.A * delta.head<6>());
     gain_core = solver.solve(info.A);
     const double step = (next - delta).head<6>().norm();

@@ -37,6 +37,7 @@ class RecentFrames {
   uint32_t end() const { return end_; }
   // None after t is missing.
   bool covers(TimeNs t) const { return begin_ != end_ && time(begin_) <= t; }
+  bool newer_than(TimeNs t) const { return begin_ != end_ && time(end_ - 1) > t; }
   TimeNs time(uint32_t frame) const { return t_[frame % kFramesMax]; }
   // False: the track was not seen in that frame.
   bool place(int camera, const Track& track, uint32_t frame, Vec2& uv) const {

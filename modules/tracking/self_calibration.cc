@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <Eigen/LU>
-
 #include "core/math/so3.h"
 #include "modules/imu/gravity.h"
 
@@ -12,11 +10,9 @@ namespace {
 
 constexpr double kBegin_s = 0.1, kBegin_rad = 0.1;  // sigmas of what nothing is known of
 constexpr double kMemory_s = 60;                    // what was seen longer ago counts little
-constexpr double kStep_s = 0.5;                     // a longer gap is no step
+constexpr double kStep_s = 0.5;                     // a longer gap counts as so much
 
 }  // namespace
-
-void SelfCalibration::reset() { *this = SelfCalibration{}; }
 
 // The whole body is where it is a little later, or as it would be with the rig turned: bias takes
 // up what gravity then leaves over.
@@ -36,16 +32,16 @@ void SelfCalibration::begin(const BodyState& state, const ImuSample& sample) {
 }
 
 // An image shows the pose of moved(), the filter expects that of S. K S K' of Filter::update.
-void SelfCalibration::update(const PoseInformation& seen, const Mat15& cov, const BodyState& state,
-                             const ImuSample& sample, bool again) {
+void SelfCalibration::update(const PoseInformation& seen, const Eigen::PartialPivLU<Mat6>& gain,
+                             const Mat15& cov, const BodyState& state, const ImuSample& sample,
+                             bool again) {
   const Mat6xN apart = moved(state, sample).topRows<6>() - S_.topRows<6>();
-  const auto solver = (Mat6::Identity() + seen.A * cov.topLeftCorner<6, 6>()).partialPivLu();
-  const Mat6xN pull = solver.solve(seen.A * apart);
+  const Mat6xN pull = gain.solve(seen.A * apart);
   if (!again) {
-    const double dt_s = std::min(to_seconds(state.t - t_), kStep_s);
-    const double kept = std::max(0.0, 1 - dt_s / kMemory_s);
+    const double dt_s = std::clamp(to_seconds(state.t - t_), 0.0, kStep_s);
+    const double kept = 1 - dt_s / kMemory_s;
     information_ = kept * information_ + apart.transpose() * pull;
-    score_ = kept * score_ + apart.transpose() * solver.solve(seen.b);
+    score_ = kept * score_ + apart.transpose() * gain.solve(seen.b);
     t_ = state.t;
   }
   S_ += cov.leftCols<6>() * pull;

@@ -11,6 +11,8 @@
 //         depends on the constants by S, which obeys the filter's own gains.
 #pragma once
 
+#include <Eigen/LU>
+
 #include "modules/imu/imu_sample.h"
 #include "modules/state/body_state.h"
 #include "modules/tracking/pose_information.h"
@@ -25,13 +27,13 @@ class SelfCalibration {
   using Mat15xN = Eigen::Matrix<double, 15, kN>;
   using Mat6xN = Eigen::Matrix<double, 6, kN>;
 
-  void reset();
   // The filter begins with a state that stands on images: all of it is as far off as they are.
   void begin(const BodyState& state, const ImuSample& sample);
   void propagate(const Mat15& F) { S_ = (F * S_).eval(); }
-  // Before the filter fuses `seen` with its covariance `cov`. again: was counted before.
-  void update(const PoseInformation& seen, const Mat15& cov, const BodyState& state,
-              const ImuSample& sample, bool again);
+  // Before the filter fuses `seen` with its covariance `cov`; `gain` is I + A P_pp, factored.
+  // again: was counted before.
+  void update(const PoseInformation& seen, const Eigen::PartialPivLU<Mat6>& gain, const Mat15& cov,
+              const BodyState& state, const ImuSample& sample, bool again);
 
   struct Estimate {
     double time_s = 0, time_sigma_s = 0;  // what correct_time() has left over

@@ -96,11 +96,11 @@ void Tracker::take_snapshot() {
   if (!newest || (snapshot->adjusted && !restarted)) ++counters_.snapshots_late;
   if (restarted) {
     if (newest) keyframer_.refine(snapshot->state);
-    estimate_.advance(history_.newest().t);  // the map is looked at from there
+    advance_to_now();  // the map is looked at from there
   }
   estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
   associator_.take(*snapshot, estimate_.state().T_WB, keyframer_.sent());
-  if (restarted) fuse_again(*snapshot);
+  if (restarted && recent_.newer_than(snapshot->state.t)) fuse_again(*snapshot);
   note_jump(T_WB_before, estimate_.state().T_WB, joined);
 }
 
@@ -113,9 +113,14 @@ void Tracker::fuse_again(const MapSnapshot& snapshot) {
     const TimeNs t = recent_.time(frame);
     if (t <= snapshot.state.t) continue;
     estimate_.advance(t);
-    (void)estimate_.update_again(
-        associator_.collect(sigma_px(params_.filter, false), recent_, frame));
+    constexpr bool kAtRest = false;  // of a frame at rest nothing is noted
+    (void)estimate_.update(associator_.collect(sigma_px(params_.filter, kAtRest), recent_, frame),
+                           true);
   }
+  advance_to_now();
+}
+
+void Tracker::advance_to_now() {
   estimate_.advance(last_frame_t_);
   estimate_.end_frame();
   estimate_.advance(history_.newest().t);

@@ -144,6 +144,7 @@ class Tracker {
  private:
   void take_snapshot();
   void fuse_again(const MapSnapshot& snapshot);
+  void advance_to_now();
   void note_recent(TimeNs t, uint8_t present, bool at_rest);
   void follow_level(const SE3& leveled);
   void update(TimeNs t, uint8_t seen, FrameResult& result);

@@ -75,7 +75,7 @@ TEST(equalize, counts_some_rows) {
     }
 }
 
-// As a picture without noise, whose every fourth row is as the others, is equalized by all of them.
+// Where each row stands four times, the histogram of every fourth row is that of all.
 TEST(equalize, rows_that_repeat_need_not_be_counted) {
   Image in(64, 40), all(64, 40), some(64, 40);
   in.fill([](int x, int y) { return testing::scene(x, y / 4); });
