@@ -59,42 +59,18 @@ RobotOutput::RobotOutput(const std::string& where, const std::vector<std::string
   if (!file_) throw InputError("cannot write", where, "check the folder and its permissions");
 }
 
-void RobotOutput::tap(AppSinks& sinks) {
-  tapped_ = sinks;
-  sinks.context = this;
-  sinks.frame = [](void* self, const FrameReport& report) {
-    auto& output = *static_cast<RobotOutput*>(self);
-    if (report.t > frame_t) frame_t = report.t;
-    output.to_file_.frame(report.t);
-    output.started_ = true;
-    output.tapped_.frame(output.tapped_.context, report);
-  };
-  sinks.health = [](void* self, TimeNs t, HealthState state, const char* what) {
-    auto& output = *static_cast<RobotOutput*>(self);
-    output.wire_.health(state, what);
-    if (output.to_file_.is_open()) output.to_file_.link().health(state, what);
-    output.tapped_.health(output.tapped_.context, t, state, what);
-  };
-  sinks.answer = [](void* self, const Answer& answer) {
-    static_cast<RobotOutput*>(self)->wire_.answer(answer);
-  };
-  sinks.keyframe = [](void* self, const BodyState& state) {
-    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
-    tapped.keyframe(tapped.context, state);
-  };
-  sinks.fused = [](void* self, const FusedPose& pose) {
-    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
-    tapped.fused(tapped.context, pose);
-  };
-  sinks.fix = [](void* self, const GnssFix& fix, FixGate gate) {
-    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
-    tapped.fix(tapped.context, fix, gate);
-  };
-  sinks.late = [](void* self, TimeNs t, const LateTask& task) {
-    const AppSinks& tapped = static_cast<RobotOutput*>(self)->tapped_;
-    tapped.late(tapped.context, t, task);
-  };
+void RobotOutput::frame(TimeNs t) {
+  if (t > frame_t) frame_t = t;
+  to_file_.frame(t);
+  started_ = true;
 }
+
+void RobotOutput::health(HealthState state, const char* what) {
+  wire_.health(state, what);
+  if (to_file_.is_open()) to_file_.link().health(state, what);
+}
+
+void RobotOutput::answer(const Answer& answer) { wire_.answer(answer); }
 
 void RobotOutput::open(App& app, const ImuNoise& noise) {
   frame_t = 0;

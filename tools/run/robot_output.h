@@ -20,14 +20,15 @@
 
 namespace pirvs::tools {
 
-class RobotOutput {
+class RobotOutput : public RunListener {
  public:
   RobotOutput(const std::string& where, const std::vector<std::string>& settings, bool real_time);
   RobotOutput(const RobotOutput&) = delete;
   RobotOutput& operator=(const RobotOutput&) = delete;
 
-  // Listens in on a RunLog's `sinks`, before App is configured with them.
-  void tap(AppSinks& sinks);
+  void frame(TimeNs t) override;
+  void health(HealthState state, const char* what) override;
+  void answer(const Answer& answer) override;
   void open(App& app, const ImuNoise& noise);
   void after_step();
   void close();                                      // InputError: what could not be written
@@ -39,7 +40,6 @@ class RobotOutput {
   bool real_time_;
   bool started_ = false;         // a frame has come
   const char* fault_ = nullptr;  // of the thread
-  AppSinks tapped_;
   board::RobotLink wire_;
 
   std::ofstream file_;

@@ -89,11 +89,10 @@ int run(const Options& options, const std::string& command) {
   OutputFolder out(options.out);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
-  AppSinks sinks = log.sinks();
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
     robot.emplace(options.mavlink, options.mavlink_set, options.real_time);
-    robot->tap(sinks);
+    log.listener = &*robot;
   }
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
@@ -105,7 +104,7 @@ int run(const Options& options, const std::string& command) {
         recording, faults, [&progress](size_t played) { progress.update(played); },
         from_seconds(options.camera_latency_ms * 1e-3));
     if (options.trace) trace_start(bsp::now);
-    app.configure(recording.calibration, params, sinks);
+    app.configure(recording.calibration, params, log.sinks());
     if (robot) robot->open(app, recording.calibration.imu);
     app.replay_inbox(options.real_time ? feed.fixes() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());

@@ -9,11 +9,19 @@ constexpr size_t kKeyframesExpected = 8192;
 constexpr int kNamedMax = 512;
 
 void on_frame(void* context, const FrameReport& report) {
-  static_cast<RunLog*>(context)->frames.push_back(report);
+  auto& log = *static_cast<RunLog*>(context);
+  if (log.listener != nullptr) log.listener->frame(report.t);
+  log.frames.push_back(report);
 }
 
 void on_health(void* context, TimeNs t, HealthState state, const char* what) {
-  static_cast<RunLog*>(context)->health.push_back({t, state, what});
+  auto& log = *static_cast<RunLog*>(context);
+  if (log.listener != nullptr) log.listener->health(state, what);
+  log.health.push_back({t, state, what});
+}
+
+void on_answer(void* context, const Answer& answer) {
+  static_cast<RunLog*>(context)->listener->answer(answer);
 }
 
 void on_late(void* context, TimeNs t, const LateTask& task) {
@@ -52,6 +60,7 @@ AppSinks RunLog::sinks() {
   sinks.context = this;
   sinks.frame = on_frame;
   sinks.health = on_health;
+  if (listener != nullptr) sinks.answer = on_answer;
   sinks.late = on_late;
   sinks.fused = on_fused;
   sinks.fix = on_fix;

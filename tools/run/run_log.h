@@ -38,6 +38,15 @@ struct FixEvent {
   FixGate gate = FixGate::kAccepted;
 };
 
+// Whoever wants some of it while the run goes on.
+class RunListener {
+ public:
+  virtual ~RunListener() = default;
+  virtual void frame(TimeNs t) = 0;
+  virtual void health(HealthState state, const char* what) = 0;
+  virtual void answer(const Answer& answer) = 0;
+};
+
 struct RunLog {
   std::vector<FrameReport> frames;  // in order of time, one per frame that went through
   std::vector<HealthEvent> health;
@@ -54,6 +63,8 @@ struct RunLog {
   SelfCalibration::Estimate calibration;  // what the calibration's values have left over
   std::string calibration_news[2];        // time and turn, or empty
   TimeNs camera_correction = 0;           // --estimate time: on top of the calibration's offset
+
+  RunListener* listener = nullptr;  // before sinks()
 
   explicit RunLog(size_t frames_expected);
   AppSinks sinks();
