@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "core/math/square.h"
 #include "modules/imu/propagation.h"
 
 namespace pirvs {
@@ -153,7 +154,6 @@ void Filter::update_standstill(const Vec3& w_mean_B) {
 // for what detection may overlook, and velocity is zero by what rest means.
 void Filter::hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B,
                   const Vec3& f_mean_B) {
-  const auto square = [](double x) { return x * x; };
   const TimeNs t = state_.t;
   const double dt = to_seconds(t - state.t);
   state_ = state;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "modules/imu/gravity.h"
 
 namespace pirvs {
@@ -48,7 +49,6 @@ void SelfCalibration::update(const PoseInformation& seen, const Eigen::PartialPi
 }
 
 SelfCalibration::Estimate SelfCalibration::estimate() const {
-  const auto square = [](double x) { return x * x; };
   MatN all = information_;
   all(0, 0) += 1 / square(kBegin_s);
   all.diagonal().tail<3>().array() += 1 / square(kBegin_rad);
