@@ -8,7 +8,7 @@ namespace pirvs::tools {
 namespace {
 
 constexpr double kGravity_min = 8.5, kGravity_max = 11.2;  // of a mean, a bias of 1 m/s^2 included
-constexpr double kRate_max = 15;                           // rad/s; degrees are 57 times as many
+constexpr double kRate_max = 8;                            // rad/s; degrees are 57 times as many
 
 std::string text(const char* format, double value) {
   char out[192];
