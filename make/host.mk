@@ -47,7 +47,8 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
   board/linux/settings.cc board/linux/text_commands.cc board/linux/link_settings.cc \
-  board/linux/endpoint_text.cc board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
+  board/linux/endpoint_text.cc board/linux/serial_text.cc board/linux/gnss_settings.cc \
+  board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
   modules/gnss/% modules/link/% modules/health/% \
   modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
   bsp/linux/clock.cc \

@@ -152,13 +152,15 @@ bool NmeaReader::read_sentence(ReceiverFix& out) {
   if (!next.any) {  // another epoch begins
     if (epoch_.any) closing_kind_ = last_kind_;
     any = flush(out);
+    out.overdue = any;
   }
   next.any = true;
   next.kinds = static_cast<uint8_t>(next.kinds | bit(kind));
   epoch_ = next;
   last_kind_ = static_cast<Kind>(kind);
-  if (any || epoch_.told || kind != closing_kind_) return any;
-  return flush(out);
+  // Where one sentence is all there is of an epoch, the new one is told and not the one before.
+  const bool closed = !epoch_.told && kind == closing_kind_ && flush(out);
+  return any || closed;
 }
 
 bool NmeaReader::read_fields(Kind kind, const std::string_view* fields, size_t count, Epoch& out) {
