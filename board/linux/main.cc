@@ -326,6 +326,8 @@ int run() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.fused = [](void*, const FusedPose& pose) { stream_output.fused(pose); };
+  sinks.imu = [](void*, const ImuSample& sample) { stream_output.imu(sample); };
   sinks.answer = on_answer;
   sinks.new_recording = [](void*) { return recordings.next(); };
   app.configure(calibration, settings.params, sinks);

@@ -34,9 +34,10 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   DoorListener listener;
   listener.context = this;
   listener.fresh = [](void* context, const ImuSample& sample, bool broken) {
-    Output& output = static_cast<App*>(context)->output_;
-    if (broken) output.interrupt();
-    output.add_imu(sample);
+    App& app = *static_cast<App*>(context);
+    if (broken) app.output_.interrupt();
+    app.output_.add_imu(sample);
+    if (app.sinks_.imu != nullptr) app.sinks_.imu(app.sinks_.context, sample);
   };
   listener.release = Intake::release;
   door_.configure(calibration, scaled.door, listener);

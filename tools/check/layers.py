@@ -31,13 +31,13 @@ MODULES = {
     "tracking": ["state", "imu", "frontend", "map", "matching", "standstill", "health"],
     "mapping": ["state", "imu", "map", "matching"],
     "output": ["state", "imu", "health"],
-    "stream": ["state", "health", "output"],
     "exposure": [],
     "door": ["calibration", "imu", "frontend"],
     "recorder": ["calibration", "imu", "door"],
     "link": ["state", "imu", "health", "output", "door"],
     "gnss": ["door"],
     "fusion": ["state", "calibration", "health", "output", "door"],
+    "stream": ["state", "imu", "health", "output", "fusion"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder", "stream")
