@@ -5,6 +5,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/events.h"
 #include "bsp/api/watchdog.h"
+#include "core/trace/trace.h"
 #include "modules/app/lens_scale.h"
 
 namespace pirvs {
@@ -62,7 +63,11 @@ void App::interrupt(TimeNs t, const char* why) {
 }
 
 void App::take_fix(const GnssFix& fix) {
-  const bool has_pose = fusion_.add_fix(fix);
+  bool has_pose = false;
+  {
+    PIRVS_TRACE("fusion");
+    has_pose = fusion_.add_fix(fix);
+  }
   if (sinks_.fix != nullptr) sinks_.fix(sinks_.context, fix, fusion_.last_gate());
   if (has_pose) tell_fused();
 }
@@ -77,7 +82,12 @@ void App::fuse_pose(const FusedState& fused) {
   Pose pose = pose_of(fused, door_t_, w_B_);
   pose.state.t = door_t_;
   if (!fused.running) pose.health = HealthState::kLost;
-  if (fusion_.add_pose(pose)) tell_fused();
+  bool has_pose = false;
+  {
+    PIRVS_TRACE("fusion");
+    has_pose = fusion_.add_pose(pose);
+  }
+  if (has_pose) tell_fused();
 }
 
 void App::check_clocks() {
