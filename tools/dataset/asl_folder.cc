@@ -10,6 +10,7 @@
 #include "tools/dataset/pairs.h"
 #include "tools/dataset/sensor_tables.h"
 #include "tools/dataset/text_table.h"
+#include "tools/dataset/wheel_file.h"
 
 namespace pirvs::tools {
 namespace {
@@ -166,6 +167,22 @@ void read_fixes(const std::string& mav0, const RecordingOptions& options, Record
   }
 }
 
+void read_wheels(const std::string& mav0, const RecordingOptions& options, Recording& recording) {
+  const bool own = options.wheels.empty();
+  const std::string file = own ? mav0 + "/wheel0/data.csv" : options.wheels;
+  if (own && !fs::exists(file)) {
+    for (const OrderRow& row : recording.order) {
+      if (row.kind == ArrivalKind::kWheel) recording.wheels.push_back(row.wheel);
+    }
+    return;
+  }
+  const std::string yaml = (fs::path(file).parent_path() / "sensor.yaml").string();
+  const WheelSensor sensor = read_wheel_sensor(yaml);
+  if (!own) recording.calibration.wheels = sensor.calibration;
+  recording.wheels = read_wheels(file, sensor.kind, recording.rejected);
+  recording.wheels_apart = true;
+}
+
 // ---- the rest ----------------------------------------------------------------------------------
 void read_truth(const std::string& mav0, const RecordingOptions& options, StampUnit unit,
                 Recording& recording) {
@@ -265,6 +282,7 @@ void read_asl_folder(const std::string& folder, const RecordingOptions& options,
     note_units(units, recording, recording);
   }
   read_fixes(mav0, options, recording);
+  read_wheels(mav0, options, recording);
   read_truth(mav0, options, units.camera, recording);
 }
 

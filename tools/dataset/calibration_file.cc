@@ -200,6 +200,11 @@ Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& l
     rig.calibration.camera[c] = camera_of(read, file.path(), log);
   }
   finish(options, rig, log);
+  const std::string wheels = mav0 + "/wheel0/sensor.yaml";
+  if (fs::exists(wheels)) {
+    rig.calibration.wheels = read_wheel_sensor(wheels).calibration;
+    rig.calibration.wheels.T_BV = T_SB * rig.calibration.wheels.T_BV;
+  }
   const std::string gnss = mav0 + "/gnss0/sensor.yaml";
   if (!fs::exists(gnss)) return rig;
   rig.calibration.gnss = read_gnss_sensor(gnss).antenna;
@@ -268,6 +273,43 @@ GnssSensor read_gnss_sensor(const std::string& path) {
   out.truth_longitude_deg = truth[1];
   out.truth_height_m = truth[2];
   out.truth_heading_deg = truth[3];
+  return out;
+}
+
+WheelSensor read_wheel_sensor(const std::string& path) {
+  constexpr const char* kKinds[kWheelKinds] = {"left_right", "twist", "ticks", "steering"};
+  constexpr double kSeconds_max = 10;
+  const Document source(path);
+  const YAML::Node& root = source.root();
+  const auto kind = source.get<std::string>(root, "kind");
+  const auto found = std::find(std::begin(kKinds), std::end(kKinds), kind);
+  if (found == std::end(kKinds)) {
+    source.fail("unknown wheels '" + kind + "' (known: left_right, twist, ticks, steering)",
+                "kind");
+  }
+  const auto length = [&](const char* key, bool needed) {
+    if (!source.has(root, key) && !needed) return 0.0;
+    const double value = source.get<double>(root, key);
+    if (!(value > 0)) source.fail("needs a number above 0", key);
+    return value;
+  };
+  WheelSensor out;
+  out.kind = WheelKind(found - std::begin(kKinds));
+  WheelCalibration& wheels = out.calibration;
+  wheels.known = true;
+  wheels.T_BV = source.transform(root, "T_BS");
+  wheels.track_m = length("track", false);
+  wheels.wheelbase_m = length("wheelbase", out.kind == WheelKind::kSteering);
+  if (out.kind == WheelKind::kTicks) {
+    wheels.tick_m = 2 * M_PI * length("radius", true) / length("ticks_per_turn", true);
+  }
+  if (source.has(root, "time_offset")) {
+    const double offset_s = source.get<double>(root, "time_offset");
+    if (!(std::abs(offset_s) < kSeconds_max)) {
+      source.fail("needs a few seconds at most", "time_offset");
+    }
+    wheels.time_offset_ns = from_seconds(offset_s);
+  }
   return out;
 }
 

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "modules/calibration/calibration.h"
+#include "modules/wheels/wheel_sample.h"
 #include "tools/dataset/input_log.h"
 
 namespace pirvs::tools {
@@ -58,5 +59,13 @@ struct GnssSensor {
   double truth_heading_deg = 0;
 };
 GnssSensor read_gnss_sensor(const std::string& path);
+
+// wheel0/sensor.yaml of an ASL folder: kind (left_right, twist, ticks, steering); T_BS: the vehicle
+// in the body; track, wheelbase, radius [m]; ticks_per_turn; time_offset [s].
+struct WheelSensor {
+  WheelCalibration calibration;
+  WheelKind kind = WheelKind::kLeftRight;
+};
+WheelSensor read_wheel_sensor(const std::string& path);
 
 }  // namespace pirvs::tools

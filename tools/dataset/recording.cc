@@ -33,14 +33,14 @@ void cut(const RecordingOptions& options, Recording& recording) {
   const TimeNs offset = recording.calibration.camera_time_offset_ns;
   const TimeNs imu_begin = frames.front().t + offset - kImuMargin;
   const TimeNs imu_end = frames.back().t + offset + kImuMargin;
-  auto& fixes = recording.gnss;
-  fixes.erase(std::remove_if(fixes.begin(), fixes.end(),
-                             [&](const GnssFix& f) { return f.t < imu_begin || f.t > imu_end; }),
-              fixes.end());
-  auto& imu = recording.imu;
-  imu.erase(std::remove_if(imu.begin(), imu.end(),
-                           [&](const ImuSample& s) { return s.t < imu_begin || s.t > imu_end; }),
-            imu.end());
+  const auto keep_between = [&](auto& samples) {
+    samples.erase(std::remove_if(samples.begin(), samples.end(),
+                                 [&](const auto& s) { return s.t < imu_begin || s.t > imu_end; }),
+                  samples.end());
+  };
+  keep_between(recording.gnss);
+  keep_between(recording.wheels);
+  keep_between(recording.imu);
 }
 
 void check_overlap(const Recording& recording) {

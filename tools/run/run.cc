@@ -1,6 +1,7 @@
 // `pirvs run SEQ --out DIR`: the whole stack on a recording; `pirvs params`: its parameters.
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -37,7 +38,7 @@ struct Options {
   bool lockstep = false;
   int mapping_lag = -1;
   double camera_latency_ms = 0;
-  bool trace = false;
+  bool trace = false, force = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
@@ -47,6 +48,14 @@ struct Options {
 };
 
 App app;  // static memory, as on the device
+
+// The signal that asked for an end, or 0. The second one ends at once.
+volatile std::sig_atomic_t stopped_by = 0;
+
+void stop_by_hand(int signal) {
+  stopped_by = signal;
+  std::signal(signal, SIG_DFL);
+}
 
 void prepare_record_folder(const std::string& folder) {
   std::error_code error;
@@ -92,7 +101,7 @@ int run(const Options& options, const std::string& command) {
   print_notes(recording);
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
-  OutputFolder out(options.out);
+  OutputFolder out(options.out, options.force);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
@@ -109,10 +118,14 @@ int run(const Options& options, const std::string& command) {
     Feed feed(
         recording, faults, [&progress](size_t played) { progress.update(played); },
         from_seconds(options.camera_latency_ms * 1e-3));
+    stopped_by = 0;
+    feed.end_when(&stopped_by);
+    std::signal(SIGINT, stop_by_hand);
+    std::signal(SIGTERM, stop_by_hand);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     if (robot) robot->open(app, recording.calibration.imu);
-    app.replay_inbox(options.real_time ? feed.fixes() : feed.inbox());
+    app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
@@ -140,12 +153,16 @@ int run(const Options& options, const std::string& command) {
   if (options.trace) out.write("trace.json", trace_json());
   out.commit();
   print_result(options, log, result);
-  const bool never = result.frames_tracked + result.frames_lost == 0;
+  if (stopped_by != 0) {
+    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
+    return kExitSignal + stopped_by;
+  }
   if (!result.done) {
     for (const std::string& why : faults_of(compare_turns(recording))) {
       std::fprintf(stderr, "pirvs: %s\n", why.c_str());
     }
-    std::fprintf(stderr, "pirvs: tracking %s\n", never ? "never started" : "was lost at the end");
+    const bool told = !result.verdict.empty();
+    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
   }
   return result.exit_status();
 }
@@ -158,10 +175,14 @@ std::function<int()> declare_run(CLI::App& app) {
       ->required();
   app.add_option("--out", o->out, "folder for the results")->required();
   add_recording_options(app, o->recording);
+  app.add_flag("--force", o->force, "replace the results of an earlier run in --out");
   app.add_option(
       "--gnss", o->recording.gnss,
       "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
       ".nmea, or RTKLIB's .pos");
+  app.add_option("--wheels", o->recording.wheels,
+                 "what the wheels told, instead of the recording's own: a table as in wheel0, its "
+                 "sensor.yaml beside it");
   auto* const real_time =
       app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
   app.add_option("--cores", o->cores,
