@@ -77,7 +77,8 @@ TOOLS := -isystem /usr/include/opencv4
 IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lsqlite3 -llz4 -lzstd -lbz2 -lgpiod -lddsc \
+  -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
@@ -119,6 +120,13 @@ $(LINK_CLIENT): tests/link/package.json tests/link/package-lock.json | $(BUILD)/
 	-@cd $(BUILD)/link && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
 	-@touch $@
 
+# Writers of logs, fetched once, too.
+LOG_WRITER := $(BUILD)/logs/node_modules/.package-lock.json
+$(LOG_WRITER): tests/logs/package.json tests/logs/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/logs && cp $^ $(BUILD)/logs
+	-@cd $(BUILD)/logs && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
+	-@touch $@
+
 # A reader of our topics that shares ROS's definitions of them with ours, and no more.
 ROS2_READER := $(BUILD)/ros2/reader
 $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
@@ -126,10 +134,15 @@ $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
 	@gcc -O1 -Wall -Wextra -I$(IDL) $^ -lddsc -o $@
 
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ROS2_READER) $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+
+# What people reported, if ../shared is there; CASES=01,04 some of them.
+CASES ?=
+cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
+	@tools/cases/cases --pirvs $(OUT)/pirvs $(if $(CASES),--only $(CASES)) $(ARGS)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
@@ -182,7 +195,7 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 
 # All that is fetched besides packages of this machine, 470 MB; else each comes when it is wanted.
 .PHONY: fetch
-fetch: $(LINK_CLIENT) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+fetch: $(LINK_CLIENT) $(LOG_WRITER) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200
