@@ -65,7 +65,7 @@ void print_camera(const Recording& recording, int c) {
 void print_rest(const Recording& recording) {
   constexpr TimeNs kSecond = 1'000'000'000;
   double least = INFINITY;
-  Vec3 gyro_sigma, accel_sigma, force;
+  Vec3 gyro_sigma = Vec3::Zero(), accel_sigma = Vec3::Zero(), force = Vec3::Zero();
   size_t end = 0;
   for (size_t begin = 0; begin < recording.imu.size(); begin += 20) {
     while (end < recording.imu.size() && recording.imu[end].t < recording.imu[begin].t + kSecond)

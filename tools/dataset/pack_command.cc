@@ -21,6 +21,8 @@ std::function<int()> declare(CLI::App& app) {
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder")->required();
   app.add_option("--out", o->out, "the file to write")->required();
   add_recording_options(app, o->recording);
+  app.add_option("--gnss", o->recording.gnss,
+                 "fixes of a GNSS receiver, instead of the recording's own");
   return [o] {
     const Recording recording = open_recording(o->sequence, o->recording);
     print_notes(recording);
