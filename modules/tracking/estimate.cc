@@ -24,7 +24,8 @@ void Estimate::configure_wheels(const SE3& T_BV, const WheelParams& params,
 }
 
 void Estimate::advance(TimeNs t) {
-  for (size_t i = wheels_->first_after(filter_.state().t); i < wheels_->end(); ++i) {
+  const size_t end = wheels_ != nullptr ? wheels_->end() : 0;
+  for (size_t i = end > 0 ? wheels_->first_after(filter_.state().t) : 0; i < end; ++i) {
     const WheelHistory::Entry& entry = (*wheels_)[i];
     if (entry.sample_t > t) break;
     filter_.propagate_until(entry.sample_t, *history_);

@@ -91,6 +91,22 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
   std::printf("written to %s\n", options.out.c_str());
 }
 
+// Why a run did not end as it should, if it did not. Returns the exit status.
+int tell_end(const Recording& recording, const RunResult& result) {
+  if (stopped_by != 0) {
+    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
+    return kExitSignal + stopped_by;
+  }
+  if (!result.done) {
+    for (const std::string& why : faults_of(compare_turns(recording))) {
+      std::fprintf(stderr, "pirvs: %s\n", why.c_str());
+    }
+    const bool told = !result.verdict.empty();
+    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
+  }
+  return result.exit_status();
+}
+
 int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
@@ -153,18 +169,7 @@ int run(const Options& options, const std::string& command) {
   if (options.trace) out.write("trace.json", trace_json());
   out.commit();
   print_result(options, log, result);
-  if (stopped_by != 0) {
-    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
-    return kExitSignal + stopped_by;
-  }
-  if (!result.done) {
-    for (const std::string& why : faults_of(compare_turns(recording))) {
-      std::fprintf(stderr, "pirvs: %s\n", why.c_str());
-    }
-    const bool told = !result.verdict.empty();
-    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
-  }
-  return result.exit_status();
+  return tell_end(recording, result);
 }
 
 std::function<int()> declare_run(CLI::App& app) {
