@@ -144,6 +144,7 @@ TEST(Camera, KannalaBrandtFindsTheRayFromBeyondTheFold) {
       {0.4, -0.12, 0.0, 0.0},  // slope 1 + 1.2 u - 0.6 u^2: folds at 1.62, radius 1.98
       {0.8, -0.5, 0.05, 0.0},  // folds earlier
       {0.1, 0.2, -0.15, 0.01}};
+  constexpr double kNear = 0.01;  // of the fold, where the radius hardly grows
   for (const auto& d : models) {
     Camera camera = fisheye();
     std::copy(d, d + 4, camera.d);
@@ -158,9 +159,10 @@ TEST(Camera, KannalaBrandtFindsTheRayFromBeyondTheFold) {
           Vec2((uv.x() - camera.cx) / camera.fx, (uv.y() - camera.cy) / camera.fy).norm();
       Vec2 there;
       beyond += !camera.project(Vec3(std::sin(radius), 0.0, std::cos(radius)), there);
-      const bool at_the_fold = !camera.project(
-          Vec3(std::sin(theta + 1e-3) * 0.6, std::sin(theta + 1e-3) * 0.8, std::cos(theta + 1e-3)),
-          there);
+      const bool at_the_fold =
+          !camera.project(Vec3(std::sin(theta + kNear) * 0.6, std::sin(theta + kNear) * 0.8,
+                               std::cos(theta + kNear)),
+                          there);
       if (at_the_fold) break;
       ASSERT_TRUE(camera.unproject(uv, bearing_C)) << d[0] << " " << theta;
       EXPECT_LT((bearing_C - p_C).norm(), 1e-6) << d[0] << " " << theta;

@@ -262,6 +262,7 @@ ImageTurn compare_turns(const Recording& recording) {
 
 std::vector<std::string> faults_of(const ImageTurn& turn) {
   constexpr double kOff_deg = 12, kLate_s = 0.006, kScale = 0.15;
+  constexpr double kAgreement = 0.97;  // below, the lag is that of something else
   std::vector<std::string> out;
   if (!turn.enough) return out;
   if (turn.off_deg > kOff_deg && turn.inverse_off_deg < kOff_deg) {
@@ -274,7 +275,7 @@ std::vector<std::string> faults_of(const ImageTurn& turn) {
              "the calibration says: check T_BS, and which camera is which",
              turn.off_deg));
   }
-  if (std::abs(turn.late_s) > kLate_s) {
+  if (turn.agreement > kAgreement && std::abs(turn.late_s) > kLate_s) {
     out.push_back(text("the left camera's stamps seem %.0f ms ", 1e3 * std::abs(turn.late_s)) +
                   (turn.late_s > 0 ? "late" : "early") +
                   text(": --set-offset %.3f, or --estimate time", turn.late_s));
