@@ -9,7 +9,6 @@ namespace {
 
 constexpr double kDepthMin_m = 1e-6;  // keeps x / z and its powers finite
 constexpr int kNewtonMax = 10;        // three or four are usual
-constexpr int kRetreatsMax = 12;      // from beyond a fold: each halves what is left
 constexpr double kNewtonStep = 1e-9;  // quadratic: the step after one this small is below 1e-16
 
 // r (1 + k1 u + k2 u^2), u = r^2, has risen all the way from zero to u: its derivative
@@ -132,41 +131,53 @@ bool project_kannala_brandt(const Camera& camera, const Vec3& p_C, Vec2& uv, Mat
   return true;
 }
 
-// Newton's start, theta = radius, may lie beyond a fold of the model, and a step may lead there:
-// then the ray is looked for below, halfway to what is known to be short of it.
-bool unproject_kannala_brandt(const Camera& camera, double xd, double yd, Vec3& bearing_C) {
-  const double radius = std::sqrt(xd * xd + yd * yd);
-  double theta = radius;
-  double below = 0.0;
-  int retreats = 0;
-  for (int i = 0; i < kNewtonMax; ++i) {
-    const KannalaBrandt m = kannala_brandt(camera.d, theta);
-    const bool folded = !(m.slope > 0.0);
-    const double step = folded ? 0.0 : (radius - m.radius) / m.slope;
-    const bool arrived = !folded && !(std::fabs(step) > kNewtonStep);
-    if (arrived) {
-      theta += step;
-      if (!(theta > kPi) && kannala_brandt_monotonic(camera.d, theta, m.slope)) {
-        double s, c;
-        sincos(theta, s, c);
-        const double scale = radius > 0.0 ? s / radius : 1.0;
-        bearing_C << xd * scale, yd * scale, c;
-        return true;
-      }
-    }
-    if (folded || arrived) {
-      if (++retreats > kRetreatsMax) return false;
-      theta = 0.5 * (below + (theta < kPi ? theta : kPi));
-      i = -1;
+// The angle at which the model has risen to `radius`, before its first fold; < 0: it never does.
+// From below in small steps, then by halving: for lenses whose fold lies where Newton would begin.
+double angle_below_fold(const double (&d)[4], double radius) {
+  constexpr double kStep = 0.01;
+  constexpr int kHalvings = 50;
+  double low = 0.0;
+  for (double theta = kStep; theta <= kPi; theta += kStep) {
+    const KannalaBrandt m = kannala_brandt(d, theta);
+    if (!(m.slope > 0.0)) return -1.0;
+    if (m.radius < radius) {
+      low = theta;
       continue;
     }
-    if (m.radius < radius && theta > below && retreats > 0 &&
-        kannala_brandt_monotonic(camera.d, theta, m.slope)) {
-      below = theta;
+    double high = theta;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (kannala_brandt(d, middle).radius < radius ? low : high) = middle;
     }
-    theta += step;
+    return 0.5 * (low + high);
   }
-  return false;
+  return -1.0;
+}
+
+// Newton; < 0: it has not found the angle.
+double angle_by_newton(const double (&d)[4], double radius) {
+  double theta = radius;
+  for (int i = 0; i < kNewtonMax; ++i) {
+    const KannalaBrandt m = kannala_brandt(d, theta);
+    if (!(m.slope > 0.0)) return -1.0;
+    const double step = (radius - m.radius) / m.slope;
+    theta += step;
+    if (std::fabs(step) > kNewtonStep) continue;
+    return theta > kPi || !kannala_brandt_monotonic(d, theta, m.slope) ? -1.0 : theta;
+  }
+  return -1.0;
+}
+
+bool unproject_kannala_brandt(const Camera& camera, double xd, double yd, Vec3& bearing_C) {
+  const double radius = std::sqrt(xd * xd + yd * yd);
+  double theta = angle_by_newton(camera.d, radius);
+  if (!(theta >= 0.0)) theta = angle_below_fold(camera.d, radius);
+  if (!(theta >= 0.0)) return false;
+  double s, c;
+  sincos(theta, s, c);
+  const double scale = radius > 0.0 ? s / radius : 1.0;
+  bearing_C << xd * scale, yd * scale, c;
+  return true;
 }
 
 }  // namespace
