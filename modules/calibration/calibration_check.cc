@@ -16,7 +16,6 @@ constexpr double kAspect_max = 2.0;                     // fx / fy and its inver
 constexpr double kReprojection_px = 0.1;
 constexpr double kBaseline_m_min = 0.01, kBaseline_m_max = 2.0;
 constexpr TimeNs kOffset_max = 1'000'000'000;
-constexpr double kRate_hz_min = 20, kRate_hz_max = 20'000;
 
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
@@ -78,21 +77,8 @@ CalibrationFault find_camera_fault(const Camera& camera, const char* where) {
 }
 
 CalibrationFault find_imu_fault(const ImuNoise& imu) {
-  const char* const densities = "give densities in SI units per sqrt(Hz), not variances";
-  if (!within(imu.gyro_noise, 1e-6, 0.1)) {
-    return {"imu", "the gyro's noise density is not within 1e-6 to 0.1", densities};
-  }
-  if (!within(imu.gyro_walk, 1e-9, 0.1)) {
-    return {"imu", "the gyro's random walk is not within 1e-9 to 0.1", densities};
-  }
-  if (!within(imu.accel_noise, 1e-5, 1)) {
-    return {"imu", "the accelerometer's noise density is not within 1e-5 to 1", densities};
-  }
-  if (!within(imu.accel_walk, 1e-8, 1)) {
-    return {"imu", "the accelerometer's random walk is not within 1e-8 to 1", densities};
-  }
-  if (!within(imu.rate_hz, kRate_hz_min, kRate_hz_max)) {
-    return {"imu", "the rate is not within 20 to 20000 Hz", "give samples per second"};
+  for (const ImuBand& band : kImuBands) {
+    if (!within(imu.*band.field, band.min, band.max)) return {"imu", band.what, band.what_to_do};
   }
   return {};
 }
