@@ -181,7 +181,7 @@ Fit fit_rates(const std::vector<Vec3>& w_B, const std::vector<Vec3>& w_C) {
       of_B += weight[i] * (w_B[i] - mean_B).squaredNorm();
     }
     const Eigen::JacobiSVD<Eigen::Matrix3d> svd(H, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    const Mat3 U = svd.matrixU(), V = svd.matrixV();
+    const Mat3 &U = svd.matrixU(), &V = svd.matrixV();
     const double sign = (U * V.transpose()).determinant() < 0 ? -1 : 1;
     out.R_BC = U * Vec3(1, 1, sign).asDiagonal() * V.transpose();
     out.scale = of_C > 0 ? (svd.singularValues().dot(Vec3(1, 1, sign))) / of_C : 0;
