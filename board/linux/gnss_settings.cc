@@ -40,10 +40,7 @@ const char* read_time_offset(std::string_view value, GnssSettings& out) {
   return read_milliseconds(value, -1000, out.antenna.time_offset_ns);
 }
 
-constexpr struct {
-  std::string_view name;
-  const char* (*read)(std::string_view, GnssSettings&);
-} kKeys[] = {
+constexpr SettingKey<GnssSettings> kKeys[] = {
     {"", read_receiver},
     {"latency_ms", read_latency},
     {"antenna_m", read_antenna},
@@ -54,12 +51,7 @@ constexpr struct {
 
 const char* set_gnss_setting(GnssSettings& settings, std::string_view name,
                              std::string_view value) {
-  for (const auto& key : kKeys) {
-    if (key.name != name) continue;
-    settings.is_set = true;
-    return key.read(value, settings);
-  }
-  return "no such key";
+  return read_key(kKeys, name, value, settings);
 }
 
 void put_antenna(const GnssSettings& settings, GnssAntenna& out) {

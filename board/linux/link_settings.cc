@@ -65,10 +65,7 @@ const char* read_mounting(std::string_view value, LinkSettings& out) {
   return nullptr;
 }
 
-constexpr struct {
-  std::string_view name;
-  const char* (*read)(std::string_view, LinkSettings&);
-} kKeys[] = {
+constexpr SettingKey<LinkSettings> kKeys[] = {
     {"udp", read_udp},       {"own_port", read_own_port},     {"serial", read_wire},
     {"rate_hz", read_rate},  {"frame", read_frame},           {"messages", read_messages},
     {"system", read_system}, {"mounting_deg", read_mounting},
@@ -78,12 +75,7 @@ constexpr struct {
 
 const char* set_link_setting(LinkSettings& settings, std::string_view name,
                              std::string_view value) {
-  for (const auto& key : kKeys) {
-    if (key.name != name) continue;
-    settings.is_set = true;
-    return key.read(value, settings);
-  }
-  return "no such key";
+  return read_key(kKeys, name, value, settings);
 }
 
 }  // namespace pirvs::board

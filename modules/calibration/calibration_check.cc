@@ -17,6 +17,8 @@ constexpr double kReprojection_px = 0.1;
 constexpr double kBaseline_m_min = 0.01, kBaseline_m_max = 2.0;
 constexpr TimeNs kOffset_max = 1'000'000'000;
 
+bool offset_fits(TimeNs offset) { return offset <= kOffset_max && offset >= -kOffset_max; }
+
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
 bool is_rotation(const Mat3& R) {
@@ -87,7 +89,7 @@ CalibrationFault find_gnss_fault(const GnssAntenna& gnss) {
   if (!gnss.p_BA.allFinite() || gnss.p_BA.norm() > kAntenna_m_max) {
     return {"gnss", "the antenna is more than 50 m from the IMU", "give it in metres"};
   }
-  if (gnss.time_offset_ns > kOffset_max || gnss.time_offset_ns < -kOffset_max) {
+  if (!offset_fits(gnss.time_offset_ns)) {
     return {"gnss", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
   }
   return {};
@@ -105,7 +107,7 @@ CalibrationFault find_wheel_fault(const WheelCalibration& wheels) {
       !within(wheels.wheelbase_m, 0, kVehicle_m_max) || !within(wheels.tick_m, 0, 1)) {
     return {"wheels", "track, wheelbase or the way of a tick cannot be", "give them in metres"};
   }
-  if (wheels.time_offset_ns > kOffset_max || wheels.time_offset_ns < -kOffset_max) {
+  if (!offset_fits(wheels.time_offset_ns)) {
     return {"wheels", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
   }
   return {};
@@ -137,7 +139,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
   }
   if (const auto fault = find_imu_fault(calibration.imu)) return fault;
   const TimeNs offset = calibration.camera_time_offset_ns;
-  if (offset > kOffset_max || offset < -kOffset_max) {
+  if (!offset_fits(offset)) {
     return {"cameras", "the time offset to the IMU is more than 1 s",
             "give timeshift_cam_imu in seconds"};
   }

@@ -460,8 +460,8 @@ void gnss_table(const uint8_t* data, size_t size) {
   const MemoryFile file(data, size);
   for (const auto format : {tools::GnssFormat::kTable, tools::GnssFormat::kRtklib}) {
     expect_result_or_refusal([&] {
-      std::vector<tools::Count> rejected;
-      const auto fixes = tools::read_gnss(file.path(), format, rejected);
+      tools::InputLog log;
+      const auto fixes = tools::read_gnss(file.path(), format, log);
       for (size_t i = 0; i < fixes.size(); ++i) {
         expect_numbers({fixes[i], false, 0, false});
         PIRVS_ASSERT(i == 0 || fixes[i].t > fixes[i - 1].t);

@@ -158,7 +158,7 @@ void read_fixes(const std::string& mav0, const RecordingOptions& options, Record
   }
   const std::string file = options.gnss.empty() ? folder + "/data.csv" : options.gnss;
   if (!options.gnss.empty() || fs::exists(file)) {
-    recording.gnss = read_gnss(file, gnss_format(file), recording.rejected);
+    recording.gnss = read_gnss(file, gnss_format(file), recording);
     recording.gnss_apart = true;
     return;
   }
@@ -179,7 +179,7 @@ void read_wheels(const std::string& mav0, const RecordingOptions& options, Recor
   const std::string yaml = (fs::path(file).parent_path() / "sensor.yaml").string();
   const WheelSensor sensor = read_wheel_sensor(yaml);
   if (!own) recording.calibration.wheels = sensor.calibration;
-  recording.wheels = read_wheels(file, sensor.kind, recording.rejected);
+  recording.wheels = read_wheels(file, sensor.kind, recording);
   recording.wheels_apart = true;
 }
 

@@ -85,12 +85,14 @@ ImuFault find_imu_fault(const std::vector<ImuSample>& samples) {
   constexpr double kZeros_max = 0.05;
   if (samples.size() < kSamplesMin) return {};
   std::vector<double> forces, rates;
+  double rate2 = 0;
   size_t no_force = 0, no_rate = 0;
   for (const ImuSample& sample : samples) {
     no_force += sample.f_B.isZero(0);
     no_rate += sample.w_B.isZero(0);
     forces.push_back(sample.f_B.norm());
     rates.push_back(sample.w_B.norm());
+    rate2 += sample.w_B.squaredNorm();
   }
   const auto of_all = [&](size_t n) {
     return std::to_string(n) + " of " + std::to_string(samples.size());
@@ -104,11 +106,14 @@ ImuFault find_imu_fault(const std::vector<ImuSample>& samples) {
   if (!(force > kForce_min && force < kForce_max)) return find_force_fault(force, rate);
   if (no_rate == samples.size()) return {};  // a simulated one at rest
   std::sort(rates.begin(), rates.end());
-  constexpr double kFast_rad_s = 2;
-  const double scale = rate_scale(samples);
+  constexpr double kFast_rad_s = 2, kNever_rad_s = 8;  // the latter of all, root mean square
+  constexpr double kScaleNever = 0.1;                  // accelerations hide how the force turns
+  const double scale = rate_scale(samples), rms = std::sqrt(rate2 / double(samples.size()));
   const bool tenth = rates[rates.size() * 9 / 10] > kFast_rad_s;
-  if (tenth && scale > 0.4 / kDegrees && scale < 2.5 / kDegrees) {
-    return {"the force turns " + number(1 / scale) + " times slower than the gyro says",
+  const bool degrees = scale > 0.4 / kDegrees && scale < 2.5 / kDegrees;
+  if ((tenth && degrees) || (rms > kNever_rad_s && std::abs(scale) < kScaleNever)) {
+    return {degrees ? "the force turns " + number(1 / scale) + " times slower than the gyro says"
+                    : "the gyro says " + number(rms) + " rad/s, root mean square",
             "give rad/s, not deg/s: divide by 57.29578"};
   }
   return {};

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "core/math/geodesy.h"
@@ -11,6 +9,7 @@
 #include "core/math/trig.h"
 #include "tools/dataset/input_error.h"
 #include "tools/sim/random.h"
+#include "tools/sim/sensor_folder.h"
 
 namespace pirvs::tools {
 namespace {
@@ -85,13 +84,6 @@ class Sector {
   Vec3 centre_ = Vec3::Zero();
 };
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw InputError("cannot write", path, "check space and permissions");
-}
-
 std::string sensor_yaml(const GnssOptions& o) {
   char text[640];
   std::snprintf(text, sizeof text,
@@ -163,10 +155,7 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
     rows += options.velocity ? text : ",";
     rows += std::string(",") + kind->fix + "\n";
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  write_text(folder + "/data.csv", rows);
-  write_text(folder + "/sensor.yaml", sensor_yaml(options));
+  write_sensor_folder(folder, rows, sensor_yaml(options));
 }
 
 }  // namespace pirvs::tools

@@ -40,8 +40,8 @@ std::vector<Error> errors_of(const GnssOptions& options) {
           .string();
   const Trajectory truth = circle();
   write_gnss(options, truth, 1, folder);
-  std::vector<Count> rejected;
-  const auto fixes = read_gnss(folder + "/data.csv", GnssFormat::kTable, rejected);
+  InputLog log;
+  const auto fixes = read_gnss(folder + "/data.csv", GnssFormat::kTable, log);
   std::filesystem::remove_all(folder);
   const LocalFrame frame(
       {options.latitude_deg * kDegree, options.longitude_deg * kDegree, options.height_m});

@@ -69,9 +69,9 @@ bool next_record(Bytes bytes, size_t& at, Record& out) {
   return true;
 }
 
-class Bag : public LogFile {
+class Bag : public ChunkedLog {
  public:
-  explicit Bag(const std::string& path) : file_(path) {}
+  using ChunkedLog::ChunkedLog;
   const char* kind() const override { return "ROS 1 bag"; }
 
   void scan(const std::function<void(const LogMessage&)>& visit) override {
@@ -80,18 +80,8 @@ class Bag : public LogFile {
     walk(file_.bytes(), kMagicSize, 0, false, visit);
   }
 
-  Bytes load(const LogPlace& place) override {
-    if (place.chunk != 0) open_chunk(place.chunk);
-    const Bytes all = place.chunk != 0 ? Bytes{chunk_.data(), chunk_.size()} : file_.bytes();
-    if (place.at > all.size || place.size > all.size - place.at) return {};
-    return {all.data + place.at, size_t(place.size)};
-  }
-
  private:
-  MappedFile file_;
   std::map<uint32_t, size_t> connections_;  // topic of each
-  uint64_t chunk_at_ = 0;                   // whose content is in chunk_
-  std::vector<uint8_t> chunk_;
 
   // `packed`: 0, or where in the file the packed chunk lies that the bytes are of.
   void walk(Bytes bytes, size_t at, uint64_t packed, bool inside,
@@ -118,8 +108,7 @@ class Bag : public LogFile {
           message.topic = topic->second;
           message.log_t = TimeNs(time & UINT32_MAX) * 1'000'000'000 + TimeNs(time >> 32);
           message.bytes = record.data;
-          const uint8_t* const base = packed != 0 ? chunk_.data() : file_.bytes().data;
-          message.place = {packed, uint64_t(record.data.data - base), record.data.size};
+          message.place = place_of(record.data, packed);
           visit(message);
           break;
         }
@@ -144,10 +133,10 @@ class Bag : public LogFile {
       return;
     }
     open_chunk(at);
-    walk({chunk_.data(), chunk_.size()}, 0, at, true, visit);
+    walk(chunk(), 0, at, true, visit);
   }
 
-  void open_chunk(uint64_t at) {
+  void open_chunk(uint64_t at) override {
     if (chunk_at_ == at) return;
     size_t next = size_t(at);
     Record record;

@@ -85,4 +85,16 @@ void unpack(const std::string& compression, Bytes packed, uint64_t size, const s
     throw InputError("a damaged chunk", path, "repair the log: rosbag reindex, mcap recover");
 }
 
+Bytes ChunkedLog::load(const LogPlace& place) {
+  if (place.chunk != 0) open_chunk(place.chunk);
+  const Bytes all = place.chunk != 0 ? chunk() : file_.bytes();
+  if (place.at > all.size || place.size > all.size - place.at) return {};
+  return {all.data + place.at, size_t(place.size)};
+}
+
+LogPlace ChunkedLog::place_of(Bytes message, uint64_t packed) const {
+  const uint8_t* const base = packed != 0 ? chunk_.data() : file_.bytes().data;
+  return {packed, uint64_t(message.data - base), message.size};
+}
+
 }  // namespace pirvs::tools

@@ -30,6 +30,24 @@ class MappedFile {
 void unpack(const std::string& compression, Bytes packed, uint64_t size, const std::string& path,
             std::vector<uint8_t>& out);
 
+// A log whose messages lie in chunks of the file, which may be packed; load() keeps one at hand.
+class ChunkedLog : public LogFile {
+ public:
+  explicit ChunkedLog(const std::string& path) : file_(path) {}
+  Bytes load(const LogPlace& place) override;
+
+ protected:
+  // Brings the content of the packed chunk at that place into chunk_; nothing if there is none.
+  virtual void open_chunk(uint64_t at) = 0;
+  Bytes chunk() const { return {chunk_.data(), chunk_.size()}; }
+  // Where the bytes of a message are, `packed` as open_chunk() was told, or 0.
+  LogPlace place_of(Bytes message, uint64_t packed) const;
+
+  MappedFile file_;
+  uint64_t chunk_at_ = 0;  // whose content is in chunk_
+  std::vector<uint8_t> chunk_;
+};
+
 // A little-endian number; the caller has seen that the bytes are there.
 template <class T>
 T little(const uint8_t* from) {

@@ -51,9 +51,9 @@ class Fields {
   }
 };
 
-class Mcap : public LogFile {
+class Mcap : public ChunkedLog {
  public:
-  explicit Mcap(const std::string& path) : file_(path) {}
+  using ChunkedLog::ChunkedLog;
   const char* kind() const override { return "MCAP"; }
 
   void scan(const std::function<void(const LogMessage&)>& visit) override {
@@ -63,19 +63,9 @@ class Mcap : public LogFile {
     walk(file_.bytes(), kMagicSize, 0, false, visit);
   }
 
-  Bytes load(const LogPlace& place) override {
-    if (place.chunk != 0) open_chunk(place.chunk);
-    const Bytes all = place.chunk != 0 ? Bytes{chunk_.data(), chunk_.size()} : file_.bytes();
-    if (place.at > all.size || place.size > all.size - place.at) return {};
-    return {all.data + place.at, size_t(place.size)};
-  }
-
  private:
-  MappedFile file_;
   std::map<uint16_t, std::string> schemas_;  // the type's name of each
   std::map<uint16_t, size_t> channels_;      // topic of each
-  uint64_t chunk_at_ = 0;
-  std::vector<uint8_t> chunk_;
 
   void walk(Bytes bytes, size_t at, uint64_t packed, bool inside,
             const std::function<void(const LogMessage&)>& visit) {
@@ -127,8 +117,7 @@ class Mcap : public LogFile {
     message.bytes = fields.rest();
     if (!fields.good() || topic == channels_.end()) return;
     message.topic = topic->second;
-    const uint8_t* const base = packed != 0 ? chunk_.data() : file_.bytes().data;
-    message.place = {packed, uint64_t(message.bytes.data - base), message.bytes.size};
+    message.place = place_of(message.bytes, packed);
     visit(message);
   }
 
@@ -154,11 +143,11 @@ class Mcap : public LogFile {
       return;
     }
     open_chunk(at);
-    walk({chunk_.data(), chunk_.size()}, 0, at, true, visit);
+    walk(chunk(), 0, at, true, visit);
   }
 
   // `at`: where the record's content begins.
-  void open_chunk(uint64_t at) {
+  void open_chunk(uint64_t at) override {
     if (chunk_at_ == at) return;
     chunk_at_ = 0;
     chunk_.clear();
