@@ -17,6 +17,8 @@ constexpr double kSlide_px = 0.5;      // of a track at rest
 constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
 constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
 constexpr double kPlatform_m_s = 0.5, kPlatform_rad = 0.1;  // what a knock or a bias does not reach
+constexpr double kMoment_s = 0.6;
+constexpr double kShaken_s = 0.1;     // nor what motors shake, which does not sum up
 constexpr double kBias_rad_s = 0.12;  // a gyro wanders no farther while the device rests
 
 }  // namespace
@@ -167,12 +169,16 @@ bool StandstillDetector::stays() const {
          (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
 }
 
-// Rest has ended by the IMU alone, the picture still stands.
-void StandstillDetector::note_push(double dt_s) {
+// Rest has ended by the IMU alone, the picture still stands, but for moments in which tracks are
+// lost that are looked for where the IMU says.
+void StandstillDetector::note_push(bool image_still, double dt_s) {
+  unstill_s_ = image_still ? 0 : unstill_s_ + dt_s;
+  if (unstill_s_ > kMoment_s) pushed_ = false;
+  if (!pushed_ || !image_still) return;
   v_pushed_ += dt_s * (f_last_ - f_rest_);
   turn_pushed_ += dt_s * (w_last_ - w_rest_);
-  moved_along_ =
-      moved_along_ || v_pushed_.norm() > kPlatform_m_s || turn_pushed_.norm() > kPlatform_rad;
+  moved_along_ = moved_along_ || v_pushed_.norm() > kPlatform_m_s + kShaken_s * f_sigma_ ||
+                 turn_pushed_.norm() > kPlatform_rad + kShaken_s * w_sigma_;
 }
 
 void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expected& expected) {
@@ -196,8 +202,7 @@ void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expecte
       v_pushed_.setZero();
       turn_pushed_.setZero();
     }
-    if (!image_still) pushed_ = false;
-    if (pushed_) note_push(dt_s);
+    note_push(image_still, dt_s);
     rest_s_ = patience_s_ = 0;
     return;
   }
@@ -208,6 +213,7 @@ void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expecte
     f_rest_ += gain * (f_last_ - f_rest_);
     return;
   }
+  note_push(image_still, dt_s);
   patience_s_ += dt_s;
   const bool doubtful = !as_expected(expected) || (pushed_ && !stays());
   if (doubtful && patience_s_ < params_.patience_s) return;

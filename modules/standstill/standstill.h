@@ -70,7 +70,7 @@ class StandstillDetector {
   bool as_expected(const Expected& expected) const;
   bool gyro_steps() const;
   bool stays() const;
-  void note_push(double dt_s);
+  void note_push(bool image_still, double dt_s);
 
   StandstillParams params_;
   TrackTable<Stay> stays_[kCamerasMax];
@@ -90,7 +90,8 @@ class StandstillDetector {
   double rest_s_ = 0;
   Vec3 v_pushed_ = Vec3::Zero(), turn_pushed_ = Vec3::Zero();  // since the picture alone stands
   bool moved_along_ = false;
-  bool pushed_ = false;  // the IMU alone ended rest: the image has not moved since
+  double unstill_s_ = 0;  // since the picture last stood
+  bool pushed_ = false;   // the IMU alone ended rest: the image has not moved since
 };
 
 }  // namespace pirvs

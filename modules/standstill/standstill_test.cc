@@ -276,6 +276,29 @@ TEST(standstill, after_a_push_that_no_image_shows_rest_comes_late) {
   EXPECT_LT(returned.run_to_rest(200) * kFrame_s, 0.5) << "a knock";
 }
 
+// A train brakes, a knock does not.
+TEST(standstill, what_is_seen_moves_along_when_the_imu_alone_gains_speed) {
+  Case train;
+  ASSERT_GT(train.run_to_rest(40), 0);
+  train.f_B.x() -= 1.5;
+  for (int k = 0; k < 5; ++k) train.still();
+  EXPECT_FALSE(train.detector.moved_along());
+  for (int k = 0; k < 5; ++k) train.still();
+  EXPECT_TRUE(train.detector.moved_along());
+  train.f_B.x() += 1.5;
+  for (int k = 0; k < 200; ++k) train.still();
+  EXPECT_TRUE(train.detector.moved_along()) << "for good";
+  Case knock;
+  ASSERT_GT(knock.run_to_rest(40), 0);
+  knock.f_B.x() += 3;
+  knock.still();
+  knock.f_B.x() -= 6;
+  knock.still();
+  knock.f_B.x() += 3;
+  for (int k = 0; k < 200; ++k) knock.still();
+  EXPECT_FALSE(knock.detector.moved_along());
+}
+
 TEST(standstill, without_images_there_is_no_rest) {
   Case c;
   ASSERT_GT(c.run_to_rest(40), 0);
