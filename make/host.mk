@@ -142,7 +142,7 @@ CASES ?=
 cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
 	@tools/cases/cases --pirvs $(OUT)/pirvs $(if $(CASES),--only $(CASES)) $(ARGS)
 
-# Draws its recordings once, 5 GB. T=name those whose name contains it, T=kind=5 a kind.
+# Draws its recordings once, 3 GB. T=name those whose name contains it, T=kind=5 a kind.
 trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a page; T=name some
 	@tools/trust/trust --pirvs $(OUT)/pirvs --out $(BUILD)/trust $(if $(T),--only $(T)) $(ARGS)
 
