@@ -38,7 +38,7 @@ def plot(curve):
                    f'<text x="{LEFT - 6}" y="{y(share) + 4}" text-anchor="end">{share:.0%}</text>'
                    f'<text x="{x(share * DOUBTED_MAX)}" y="{HEIGHT + 16}" text-anchor="middle">'
                    f'{share * DOUBTED_MAX:.0%}</text>')
-    points = " ".join(f"{x(d):.1f},{y(c):.1f}" for _, d, c in curve if d <= DOUBTED_MAX)
+    points = " ".join(f"{x(d):.1f},{y(c):.1f}" for _, d, c in curve)
     out.append(f'<polyline class="curve" points="{points}"/>')
     for threshold, doubted, caught in curve:
         if doubted <= DOUBTED_MAX and round(threshold * 100) % 20 == 0:
