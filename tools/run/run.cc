@@ -14,16 +14,17 @@
 #include "tools/cli/command.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/progress.h"
-#include "tools/dataset/image_turn.h"
-#include "tools/dataset/imu_sense.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording_options.h"
+#include "tools/info/image_turn.h"
+#include "tools/info/imu_sense.h"
 #include "tools/report/report.h"
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
 #include "tools/run/playback.h"
 #include "tools/run/robot_output.h"
+#include "tools/run/run_mcap.h"
 #include "tools/run/trace_file.h"
 
 namespace pirvs::tools {
@@ -38,7 +39,7 @@ struct Options {
   bool lockstep = false;
   int mapping_lag = -1;
   double camera_latency_ms = 0;
-  bool trace = false, force = false;
+  bool trace = false, force = false, mcap = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
@@ -167,6 +168,7 @@ int run(const Options& options, const std::string& command) {
   write_run_files(out, info, recording, log, result, rejected);
   out.write("report.html", make_report(info, recording, log, result, rejected));
   if (options.trace) out.write("trace.json", trace_json());
+  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
   out.commit();
   print_result(options, log, result);
   return tell_end(recording, result);
@@ -206,6 +208,8 @@ std::function<int()> declare_run(CLI::App& app) {
       ->check(CLI::Range(0.0, 1000.0));
   app.add_flag("--trace", o->trace,
                "also write trace.json: when each task ran, in the last seconds");
+  app.add_flag("--mcap", o->mcap,
+               "also write run.mcap: poses, points, health, images, for Foxglove and rosbag2");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
   app.add_option("--estimate", o->estimate,
