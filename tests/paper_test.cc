@@ -71,6 +71,13 @@ void write_penncosyvio(const tools::Recording& from, const std::string& root) {
     fs::create_directories(path);
   }
   write_chain(from.calibration, root + "/visensor/camchain-imucam.yaml");
+  const ImuNoise& noise = from.calibration.imu;
+  std::ofstream(root + "/visensor/imu.yaml")
+      << "gyroscope_noise_density: " << noise.gyro_noise
+      << "\ngyroscope_random_walk: " << noise.gyro_walk
+      << "\naccelerometer_noise_density: " << noise.accel_noise
+      << "\naccelerometer_random_walk: " << noise.accel_walk << "\nupdate_rate: " << noise.rate_hz
+      << "\n";
   std::ofstream stamps(folder + "/timestamps.txt"), imu(folder + "/imu.txt"),
       poses(truth + "/pose.txt");
   const auto put_s = [](std::ofstream& file, TimeNs t) {

@@ -111,7 +111,8 @@ TEST(run_mcap, holds_what_the_other_files_say) {
   if (clip() == nullptr) GTEST_SKIP() << "no clip";
   const std::string out = scratch_folder("run_mcap");
   const std::string command = build() + "/host/pirvs run " + clip()->folder +
-                              " --duration 4 --mcap --out " + out + " > " + out + ".txt 2>&1";
+                              " --duration 4 --mcap --record " + out + "/input.mcap --out " + out +
+                              " > " + out + ".txt 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << content(out + ".txt");
   const std::string seen = read_by_npm(out + "/run.mcap");
   std::istringstream poses(content(out + "/trajectory.tum"));
@@ -127,6 +128,10 @@ TEST(run_mcap, holds_what_the_other_files_say) {
   const std::string ply = content(out + "/map.ply");
   const std::string points = ply.substr(ply.find("vertex ") + 7);
   EXPECT_TRUE(has_line(seen, "points " + points.substr(0, points.find('\n'))));
+  const std::string input = read_by_npm(out + "/input.mcap");
+  EXPECT_TRUE(
+      has_line(input, "topic /cam1/image_raw/compressed sensor_msgs/msg/CompressedImage 81"));
+  EXPECT_FALSE(fs::exists(out + "/input.mcap.folder"));
   EXPECT_NE(seen.find("topic /health diagnostic_msgs/msg/DiagnosticArray "), std::string::npos);
 }
 

@@ -69,15 +69,14 @@ std::string trajectory_of(tools::Recording recording) {
 
 TEST(loose, videos_give_the_trajectory_of_the_folder) {
   if (clip() == nullptr) GTEST_SKIP() << "no clip";
-  tools::Recording part = first_part();
-  part.imu.pop_back();  // an accelerometer's last sample has none behind it to interpolate to
+  const tools::Recording part = first_part();
   const std::string wanted = replay(part).trajectory();
   const std::string folder = scratch_folder("videos");
   tools::RecordingOptions options;
   options.calibration = calibration_file(scratch_folder("videos_calibration"));
   for (int c = 0; c < 2; ++c) write_video(part, c, folder + (c == 0 ? "/left" : "/right") + ".mkv");
   EXPECT_THROW(tools::open_recording(folder, options), tools::InputError) << "no IMU";
-  write_imu(first_part(), folder);
+  write_imu(part, folder);
   EXPECT_THROW(tools::open_recording(folder, options), tools::InputError) << "no stamps";
   std::ofstream stamps(folder + "/frames.csv");
   for (size_t i = 0; i < part.frames.size(); ++i) {
@@ -95,7 +94,7 @@ TEST(loose, videos_give_the_trajectory_of_the_folder) {
 
 TEST(loose, images_give_the_trajectory_of_the_folder) {
   if (clip() == nullptr) GTEST_SKIP() << "no clip";
-  tools::Recording part = first_part();
+  const tools::Recording part = first_part();
   const std::string wanted = replay(part).trajectory();
   const std::string folder = scratch_folder("images");
   fs::copy_file(calibration_file(scratch_folder("images_calibration")),

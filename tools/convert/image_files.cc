@@ -21,7 +21,7 @@ EncodedImage as_png(const ImageView& image) {
 
 }  // namespace
 
-ImageFiles::ImageFiles(const Recording& recording) : recording_(recording) {
+ImageFiles::ImageFiles(const Recording& recording, bool web_only) : recording_(recording) {
   bool as_they_are = recording.turns[0] == 0 && recording.turns[1] == 0;
   for (const FrameFiles& frame : recording.frames) {
     const std::string& any = frame.image[frame.image[0].empty()];
@@ -29,7 +29,8 @@ ImageFiles::ImageFiles(const Recording& recording) : recording_(recording) {
     if (!as_they_are) break;
     const EncodedImage first = load(any);
     if (first.bytes.empty() && !recording.store) continue;  // a file that is missing
-    as_they_are = !first.format.empty();
+    const bool web = first.format == "jpeg" || first.format == "png";
+    as_they_are = !first.format.empty() && (web || !web_only);
     break;
   }
   if (!as_they_are) player_ = std::make_unique<Player>(recording);

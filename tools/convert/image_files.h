@@ -1,5 +1,6 @@
 // What    A recording's images one after the other, as files would hold them.
 // In      An open Recording, which must outlive this.
+//         web_only: who reads it takes JPEG and PNG alone.
 // Out     The very bytes of its files or messages; PNG of what the player plays where there are
 //         none: pixels of a pack, a video, raw images of a log, images that are turned.
 // Errors  Images that cannot be read are left out, and counted as the player counts them.
@@ -17,7 +18,7 @@ namespace pirvs::tools {
 
 class ImageFiles {
  public:
-  explicit ImageFiles(const Recording& recording);
+  explicit ImageFiles(const Recording& recording, bool web_only = false);
 
   // Of the next frame of the recording, both cameras; without a format: none.
   void next(EncodedImage (&out)[2]);

@@ -49,7 +49,7 @@ void write_messages(const Recording& recording, std::ostream& out, const FrameDo
   for (int c = 0; c < recording.calibration.cameras; ++c) {
     camera[c] = file.add_channel("/cam" + std::to_string(c) + "/image_raw/compressed", kRosImage);
   }
-  ImageFiles images(recording);
+  ImageFiles images(recording, true);
   for (size_t i = 0; i < recording.frames.size(); ++i) {
     const TimeNs t = recording.frames[i].t;
     EncodedImage image[2];

@@ -37,9 +37,13 @@ std::vector<ImuSample> join_sensors(const std::vector<ImuSample>& gyro,
     while (j < accel.size() && accel[j].t < sample.t) ++j;
     if (j >= accel.size()) break;
     if (accel[j - 1].t > sample.t) continue;
-    const double share = double(sample.t - accel[j - 1].t) / double(accel[j].t - accel[j - 1].t);
     ImuSample both = sample;
-    both.f_B = accel[j - 1].f_B + share * (accel[j].f_B - accel[j - 1].f_B);
+    if (accel[j].t == sample.t) {
+      both.f_B = accel[j].f_B;  // to the bit
+    } else {
+      const double share = double(sample.t - accel[j - 1].t) / double(accel[j].t - accel[j - 1].t);
+      both.f_B = accel[j - 1].f_B + share * (accel[j].f_B - accel[j - 1].f_B);
+    }
     out.push_back(both);
   }
   return out;

@@ -1,14 +1,13 @@
 #include "tools/dataset/loose_files.h"
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <iterator>
 #include <memory>
 
 #include "tools/dataset/assemble.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/loose_tables.h"
 #include "tools/dataset/sensor_tables.h"
 #include "tools/dataset/text_table.h"
 #include "tools/dataset/video_images.h"
@@ -18,6 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using Names = std::vector<std::string>;
+using Table = std::unique_ptr<TextTable>;
 
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
@@ -109,41 +109,6 @@ void tell_tables(Files& files) {
   if (cameras.size() > 1 && files.stamps[1].empty()) files.stamps[1] = files.stamps[0];
 }
 
-// One table, its unit told by those that are known.
-using Table = std::unique_ptr<TextTable>;
-
-// Without a column in front that counts rows from 0 or 1 on.
-std::string without_counter(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::string out, line;
-  int64_t expected = -1;
-  bool counts = true;
-  size_t rows = 0;
-  Names kept;
-  while (std::getline(file, line)) {
-    const size_t end = line.find_first_of(",;\t ");
-    const auto number = stamp_number(line.substr(0, end));
-    if (number && end != std::string::npos) {
-      const bool begins = rows == 0 && (*number == 0 || *number == 1);
-      counts = counts && (begins || (rows > 0 && *number == double(expected)));
-      expected = int64_t(*number) + 1;
-      ++rows;
-    } else if (number) {
-      counts = false;
-    }
-    kept.push_back(end == std::string::npos ? line : line.substr(end + 1));
-  }
-  if (!counts || rows < 2) return "";
-  for (const std::string& one : kept) out += one + "\n";
-  return out;
-}
-
-Table open_stamps(const std::string& path, const StampRule& rule) {
-  const std::string rest = without_counter(path);
-  if (rest.empty()) return std::make_unique<TextTable>(path, "stamps of frames", rule);
-  return std::make_unique<TextTable>(TextTable::Content{rest}, path, "stamps of frames", rule);
-}
-
 // Of images whose names are stamps.
 std::string names_table(const std::string& folder) {
   std::string out;
@@ -158,7 +123,7 @@ std::string names_table(const std::string& folder) {
 Table open_camera(const Files& files, size_t c, const StampRule& rule) {
   const std::string& table = files.stamps[c];
   const std::string& camera = cameras_of(files)[c];
-  if (!table.empty()) return open_stamps(table, rule);
+  if (!table.empty()) return open_frame_stamps(table, rule);
   const std::string names = files.videos.empty() ? names_table(camera) : "";
   if (names.empty()) {
     throw InputError("no stamps of the frames", camera,
@@ -197,51 +162,6 @@ std::vector<ListedImage> read_camera(const Files& files, size_t c, TextTable& ta
   return out;
 }
 
-std::vector<ImuSample> read_triples(TextTable& table, Vec3 ImuSample::*vector,
-                                    const std::string& path, InputLog& log) {
-  std::vector<ImuSample> out;
-  while (table.next()) {
-    const auto t = table.stamp();
-    const auto x = table.number(1), y = table.number(2), z = table.number(3);
-    if (!t || !x || !y || !z) {
-      if (!table.cut_off()) table.fail("needs stamp, x, y, z", "remove or repair the line");
-      log.count("imu_rows_truncated");
-      continue;
-    }
-    ImuSample sample;
-    sample.t = *t;
-    sample.*vector = Vec3(*x, *y, *z);
-    if ((sample.*vector).allFinite()) {
-      out.push_back(sample);
-    } else {
-      log.count("imu_samples_not_finite");
-    }
-  }
-  if (out.size() < 2) throw InputError("no IMU samples", path, "check the recording");
-  put_in_order(out, "imu_rows", log);
-  return out;
-}
-
-// Without a heading, gravity tells which three columns are the accelerometer's (PennCOSYVIO has
-// them in front).
-void put_gyro_first(const TextTable& table, Recording& recording) {
-  constexpr double kGravity_min = 8, kGravity_max = 12, kGyro_max = 5;
-  const auto middle = [&](Vec3 ImuSample::*vector) {
-    std::vector<double> sizes;
-    for (const ImuSample& sample : recording.imu) sizes.push_back((sample.*vector).norm());
-    const auto at = sizes.begin() + std::ptrdiff_t(sizes.size() / 2);
-    std::nth_element(sizes.begin(), at, sizes.end());
-    return *at;
-  };
-  if (!table.heading().empty()) return;
-  const double gravity = middle(&ImuSample::w_B);
-  if (gravity < kGravity_min || gravity > kGravity_max || middle(&ImuSample::f_B) > kGyro_max) {
-    return;
-  }
-  for (ImuSample& sample : recording.imu) std::swap(sample.w_B, sample.f_B);
-  recording.note("IMU samples: gravity is in the first three columns: taken as accelerometer");
-}
-
 void read_imu(const Files& files, TextTable& camera, const StampRule& asked, Recording& out) {
   StampRule rule = asked;
   rule.others = camera.unit();
@@ -254,7 +174,7 @@ void read_imu(const Files& files, TextTable& camera, const StampRule& asked, Rec
     TextTable table(files.imu, "IMU samples", rule);
     settle(table);
     out.imu = read_imu_samples(table, files.imu, out, Rows::kInOrderOfTime);
-    put_gyro_first(table, out);
+    if (table.heading().empty()) put_gyro_first(out.imu, out);
     out.note("IMU: " + fs::path(files.imu).filename().string());
     return;
   }
