@@ -78,12 +78,12 @@ void finish_record(const std::string& record) {
   std::filesystem::remove_all(record_folder(record), error);
 }
 
-void prepare_record(const std::string& record) {
+// `folder` must stay until the run is over: storage keeps the pointer.
+void prepare_record(const std::string& record, const std::string& folder) {
   std::error_code error;
   if (records_mcap(record) && std::filesystem::exists(record)) {
     throw InputError("is there already", record, "choose another --record");
   }
-  const std::string folder = record_folder(record);
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_empty(folder, error)) {
     throw InputError("not an empty folder", folder, "choose another --record");
@@ -143,7 +143,8 @@ int run(const Options& options, const std::string& command) {
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
   OutputFolder out(options.out, options.force);
-  if (!options.record.empty()) prepare_record(options.record);
+  const std::string recorded_to = record_folder(options.record);
+  if (!options.record.empty()) prepare_record(options.record, recorded_to);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
