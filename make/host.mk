@@ -74,7 +74,7 @@ TOOLS := -isystem /usr/include/opencv4
 # What idlc makes of ROS's types.
 IDL := $(BUILD)/idl
 
-LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
+LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_videoio -lopencv_imgcodecs \
   -lopencv_imgproc -lopencv_core -lyaml-cpp -lsqlite3 -llz4 -lzstd -lbz2 -lgpiod -lddsc \
   -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
@@ -149,6 +149,11 @@ trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a pag
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
 	PIRVS_RENEW=$(RENEW) $(OUT_TESTED)/system_tests --gtest_brief=1 --gtest_filter='golden*'
+
+# The paper's data sets, as far as they are there (docs/evaluation.md).
+paper: $(OUT)/pirvs ## the paper's tables: EUROC=DIR PENNCOSYVIO=DIR TUMVI=DIR
+	@tools/paper/paper --pirvs $(OUT)/pirvs --out $(BUILD)/paper $(if $(EUROC),--euroc $(EUROC)) \
+	  $(if $(PENNCOSYVIO),--penncosyvio $(PENNCOSYVIO)) $(if $(TUMVI),--tumvi $(TUMVI)) $(ARGS)
 
 # New inputs gather in build/fuzz/NAME; worth keeping: -merge=1 them into tests/fuzz/corpus/NAME.
 SECONDS ?= 600
