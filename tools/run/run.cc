@@ -78,7 +78,6 @@ void finish_record(const std::string& record) {
   std::filesystem::remove_all(record_folder(record), error);
 }
 
-// `folder` must stay until the run is over: storage keeps the pointer.
 void prepare_record(const std::string& record, const std::string& folder) {
   std::error_code error;
   if (records_mcap(record) && std::filesystem::exists(record)) {
