@@ -3,6 +3,7 @@
 #include <fstream>
 
 #include "core/base/text.h"
+#include "modules/recorder/sensor_yaml.h"
 #include "tools/convert/image_files.h"
 #include "tools/convert/writers.h"
 #include "tools/dataset/input_error.h"
@@ -68,40 +69,17 @@ void put_triple(TextWriter& row, const Vec3& v) {
   for (int i = 0; i < 3; ++i) row.put(',').exact(v[i]);
 }
 
-void put_transform(TextWriter& text, const SE3& T) {
-  text.put("T_BS:\n  cols: 4\n  rows: 4\n  data: [");
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) text.exact(T.R(i, j)).put(", ");
-    text.exact(T.p[i]).put(",\n         ");
-  }
-  text.put("0, 0, 0, 1]\n");
-}
-
 void write_camera_yaml(const std::string& folder, const Camera& camera, TimeNs shift) {
   Text<4096> text;
-  text.put("sensor_type: camera\n");
-  put_transform(text, camera.T_BC);
-  text.put("resolution: [").number(camera.width).put(", ").number(camera.height).put("]\n");
-  text.put("camera_model: pinhole\nintrinsics: [");
-  text.exact(camera.fx).put(", ").exact(camera.fy).put(", ");
-  text.exact(camera.cx).put(", ").exact(camera.cy).put("]\ndistortion_model: ");
-  text.put(camera.model == CameraModel::kKannalaBrandt ? "equidistant" : "radial-tangential");
-  text.put("\ndistortion_coefficients: [");
-  for (int i = 0; i < 4; ++i) text.exact(camera.d[i]).put(i < 3 ? ", " : "]\n");
-  text.put("timeshift_cam_imu: ").exact(to_seconds(shift)).put("\n");
+  put_camera_yaml(text, camera, shift);
   TextFile file(folder + "/sensor.yaml");
   file << text;
   file.finish();
 }
 
 void write_imu(const std::string& folder, const Recording& recording) {
-  const ImuNoise& noise = recording.calibration.imu;
   Text<1024> text;
-  text.put("sensor_type: imu\nrate_hz: ").exact(noise.rate_hz);
-  text.put("\ngyroscope_noise_density: ").exact(noise.gyro_noise);
-  text.put("\ngyroscope_random_walk: ").exact(noise.gyro_walk);
-  text.put("\naccelerometer_noise_density: ").exact(noise.accel_noise);
-  text.put("\naccelerometer_random_walk: ").exact(noise.accel_walk).put("\n");
+  put_imu_yaml(text, recording.calibration.imu);
   TextFile yaml(folder + "/sensor.yaml"), table(folder + "/data.csv");
   yaml << text;
   table << "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,"

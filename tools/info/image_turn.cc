@@ -10,6 +10,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/math/so3.h"
+#include "tools/dataset/left_images.h"
 #include "tools/dataset/player.h"
 
 namespace pirvs::tools {
@@ -119,13 +120,7 @@ bool turn_between(const Camera& camera, const cv::Mat& before, const cv::Mat& af
 }
 
 std::vector<Pair> measure(const Recording& recording, const std::vector<size_t>& chosen) {
-  Recording part;
-  part.folder = recording.folder;
-  part.calibration = recording.calibration;
-  part.calibration.cameras = 1;
-  part.turns[0] = recording.turns[0];
-  part.pack = recording.pack;
-  part.store = recording.store;
+  Recording part = left_images(recording);
   for (const size_t i : chosen) {
     part.frames.push_back(recording.frames[i - 1]);
     part.frames.push_back(recording.frames[i]);

@@ -1,9 +1,13 @@
 """Where the recordings of EuRoC, TUM-VI and PennCOSYVIO lie below a folder, and their truths."""
 
 import collections
+import sys
 from pathlib import Path
 
 import published
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "lib"))
+from rotation import quaternion
 
 # truth: a file for `pirvs eval`, or a rig's matrices that must be taken to the IMU first.
 Sequence = collections.namedtuple("Sequence", "name folder options truth rig_truth")
@@ -89,20 +93,3 @@ def truth_of_imu(path):
         p = [m[i][3] + sum(m[i][k] * p_BI[k] for k in range(3)) for i in range(3)]
         lines.append(" ".join(f"{v:.9f}" for v in (words[0], *p, *quaternion(R_WI))))
     return "\n".join(lines) + "\n"
-
-
-def quaternion(m):
-    """x y z w of a rotation, by the largest of the four."""
-    q = [m[0][0] - m[1][1] - m[2][2], m[1][1] - m[0][0] - m[2][2], m[2][2] - m[0][0] - m[1][1],
-         m[0][0] + m[1][1] + m[2][2]]
-    i = q.index(max(q))
-    big = (q[i] + 1) ** 0.5 / 2
-    part = 1 / (4 * big)
-    if i == 3:
-        return [(m[2][1] - m[1][2]) * part, (m[0][2] - m[2][0]) * part,
-                (m[1][0] - m[0][1]) * part, big]
-    j, k = (i + 1) % 3, (i + 2) % 3
-    out = [0.0] * 4
-    out[i], out[j], out[k] = big, (m[i][j] + m[j][i]) * part, (m[i][k] + m[k][i]) * part
-    out[3] = (m[k][j] - m[j][k]) * part
-    return out

@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "core/math/so3.h"
+#include "tools/dataset/left_images.h"
 #include "tools/dataset/logs/mcap_writer.h"
 #include "tools/dataset/logs/ros_writer.h"
 #include "tools/dataset/player.h"
@@ -150,13 +151,7 @@ RosMessage health(const FrameReport& frame) {
 
 // Frames of the left camera that are shown.
 Recording shown(const Recording& recording) {
-  Recording out;
-  out.folder = recording.folder;
-  out.calibration = recording.calibration;
-  out.calibration.cameras = 1;
-  out.turns[0] = recording.turns[0];
-  out.pack = recording.pack;
-  out.store = recording.store;
+  Recording out = left_images(recording);
   TimeNs next = INT64_MIN;
   for (const FrameFiles& frame : recording.frames) {
     const bool has = !frame.image[0].empty() || frame.pixels[0].data != nullptr;
