@@ -146,6 +146,10 @@ cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
 trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a page; T=name some
 	@tools/trust/trust --pirvs $(OUT)/pirvs --out $(BUILD)/trust $(if $(T),--only $(T)) $(ARGS)
 
+# Rooms of Monday on Tuesday (docs/maps.md).
+maps: $(OUT)/pirvs ## are saved maps found again, and no others? 20 starts, and 20 elsewhere
+	@tools/maps/maps --pirvs $(OUT)/pirvs --out $(BUILD)/maps $(ARGS)
+
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
 	PIRVS_RENEW=$(RENEW) $(OUT_TESTED)/system_tests --gtest_brief=1 --gtest_filter='golden*'

@@ -74,7 +74,23 @@ void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 
+uint32_t map_ticket = 0;  // of the map at the start, plus 1
+
+void load_map() {
+  if (settings.map.text[0] == 0) return;
+  Command load;
+  load.kind = CommandKind::kLoadMap;
+  std::memcpy(load.text, settings.map.text, std::strlen(settings.map.text));
+  const Result<uint32_t> ticket = app.command(load);
+  map_ticket = ticket.ok() ? ticket.value() + 1 : 0;
+}
+
 void on_answer(void*, const Answer& answer) {
+  if (answer.ticket + 1 == map_ticket && answer.status != Status::kOk) {
+    say(settings.map.text, answer.status == Status::kNotFound
+                               ? "no such map yet: it runs without"
+                               : "not a map of this version, or damaged: it runs without");
+  }
   recordings.answer(answer);
   serial.answer(answer);
   robot.answer(answer);
@@ -338,6 +354,7 @@ int run() {
     return kExitBadInput;
   }
   if (!start_cameras_trigger()) return kExitBadInput;
+  load_map();
   start_links();
   start_gnss();
   open_pins();

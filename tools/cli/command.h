@@ -28,6 +28,7 @@ extern const Command kPackCommand;
 extern const Command kConvertCommand;
 extern const Command kInfoCommand;
 extern const Command kSimCommand;
+extern const Command kMapCommand;
 extern const Command kListenCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;

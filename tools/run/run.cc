@@ -19,6 +19,7 @@
 #include "tools/dataset/recording_options.h"
 #include "tools/info/image_turn.h"
 #include "tools/info/imu_sense.h"
+#include "tools/map/map_files.h"
 #include "tools/report/report.h"
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
@@ -44,6 +45,7 @@ struct Options {
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
+  std::string save_map, load_map, map_mode = "extend";
   std::string estimate;
   std::string mavlink;
   std::vector<std::string> mavlink_set;
@@ -90,6 +92,11 @@ void prepare_record(const std::string& record, const std::string& folder) {
   bsp::set_storage_directory(folder.c_str());
 }
 
+void load_map(const std::string& file) {
+  if (file.empty()) return;
+  read_map_file(file, [](const MapSource& from) { return app.load_map(from); });
+}
+
 void print_result(const Options& options, const RunLog& log, const RunResult& r) {
   std::printf("%zu frames, %.1f s: %zu tracked, %zu lost, %zu before the start, %zu dropped\n",
               r.frames_in, r.duration_s, r.frames_tracked, r.frames_lost, r.frames_before_start,
@@ -106,6 +113,12 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
   if (!options.estimate.empty()) {
     std::printf("the cameras' offset was corrected by %.2f ms (sigma %.2f)\n",
                 1e3 * to_seconds(log.camera_correction), 1e3 * log.calibration.time_sigma_s);
+  }
+  if (!options.load_map.empty() && r.localised_after_s < 0) {
+    std::printf("not localised in %s: poses stand in a frame of their own\n",
+                options.load_map.c_str());
+  } else if (!options.load_map.empty()) {
+    std::printf("localised in %s after %.2f s\n", options.load_map.c_str(), r.localised_after_s);
   }
   const FusedResult& fused = r.fused_result;
   if (fused.ok) {
@@ -135,6 +148,7 @@ int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
   if (!options.estimate.empty()) params.tracking.tracker.estimate_time = 1;
+  if (options.map_mode == "localise") params.mapping.extend_map = 0;
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
@@ -165,6 +179,7 @@ int run(const Options& options, const std::string& command) {
     std::signal(SIGTERM, stop_by_hand);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
+    load_map(options.load_map);
     if (robot) robot->open(app, recording.calibration.imu);
     app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
@@ -195,6 +210,7 @@ int run(const Options& options, const std::string& command) {
   if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
   out.commit();
   if (!options.record.empty()) finish_record(options.record);
+  if (!options.save_map.empty()) write_map_file(options.save_map, app.map());
   print_result(options, log, result);
   return tell_end(recording, result);
 }
@@ -244,6 +260,19 @@ std::function<int()> declare_run(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--record", o->record,
                  "also write the input, with its injected faults, as an ASL folder, or as *.mcap");
+  auto* const save_map = app.add_option(
+      "--save-map", o->save_map, "FILE, the map at the end of the run, to be localised in later");
+  auto* const load_map =
+      app.add_option("--load-map", o->load_map,
+                     "FILE, the map of an earlier run: poses stand in its frame once a place of it "
+                     "is recognised")
+          ->check(CLI::ExistingFile);
+  app.add_option("--map-mode", o->map_mode,
+                 "extend: the loaded map grows; localise: it stays as it is")
+      ->check(CLI::IsMember({"extend", "localise"}))
+      ->capture_default_str()
+      ->needs(load_map);
+  (void)save_map;
   auto* const mavlink = app.add_option(
       "--mavlink", o->mavlink,
       "udp:HOST:PORT or a file, the poses as an autopilot gets them (docs/integration.md)");
