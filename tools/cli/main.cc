@@ -14,7 +14,7 @@ namespace {
 const Command* const kCommands[] = {&kRunCommand,    &kInfoCommand,        &kEvalCommand,
                                     &kSimCommand,    &kListenCommand,      &kConvertCommand,
                                     &kPackCommand,   &kCalibrationCommand, &kParamsCommand,
-                                    &kUpdateCommand, &kRos2Command};
+                                    &kUpdateCommand, &kRos2Command,        &kViewCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

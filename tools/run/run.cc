@@ -26,7 +26,9 @@
 #include "tools/run/playback.h"
 #include "tools/run/robot_output.h"
 #include "tools/run/run_mcap.h"
+#include "tools/run/run_viewed.h"
 #include "tools/run/trace_file.h"
+#include "tools/view/replay_view.h"
 
 namespace pirvs::tools {
 namespace {
@@ -47,6 +49,8 @@ struct Options {
   std::string estimate;
   std::string mavlink;
   std::vector<std::string> mavlink_set;
+  bool shown = false;
+  ViewOptions shown_at;
 };
 
 App app;  // static memory, as on the device
@@ -112,7 +116,7 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
     std::printf("with GNSS: ATE %.4f m, not aligned (fixes alone %.3f m), heading %.2f deg\n",
                 fused.ate_rmse_m, fused.fixes_rmse_m, fused.heading_rmse_deg);
   }
-  std::printf("written to %s\n", options.out.c_str());
+  if (!options.out.empty()) std::printf("written to %s\n", options.out.c_str());
 }
 
 // Why a run did not end as it should, if it did not. Returns the exit status.
@@ -131,7 +135,18 @@ int tell_end(const Recording& recording, const RunResult& result) {
   return result.exit_status();
 }
 
-int run(const Options& options, const std::string& command) {
+void write_results(OutputFolder& out, const Options& options, const RunInfo& info,
+                   const Recording& recording, const RunLog& log, const RunResult& result,
+                   const std::vector<Count>& rejected) {
+  write_run_files(out, info, recording, log, result, rejected);
+  out.write("report.html", make_report(info, recording, log, result, rejected));
+  if (options.trace) out.write("trace.json", trace_json());
+  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
+  out.commit();
+}
+
+// `view`: null: nobody looks.
+int run(const Options& options, const std::string& command, View* view) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
   if (!options.estimate.empty()) params.tracking.tracker.estimate_time = 1;
@@ -141,15 +156,18 @@ int run(const Options& options, const std::string& command) {
   print_notes(recording);
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
-  OutputFolder out(options.out, options.force);
+  std::optional<OutputFolder> out;
+  if (!options.out.empty()) out.emplace(options.out, options.force);
   const std::string recorded_to = record_folder(options.record);
   if (!options.record.empty()) prepare_record(options.record, recorded_to);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
     robot.emplace(options.mavlink, options.mavlink_set, options.real_time);
-    log.listener = &*robot;
+    log.listeners.push_back(&*robot);
   }
+  std::optional<ReplayView> shown;
+  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording));
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -166,6 +184,7 @@ int run(const Options& options, const std::string& command) {
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     if (robot) robot->open(app, recording.calibration.imu);
+    if (shown) shown->open(app);
     app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
@@ -181,6 +200,7 @@ int run(const Options& options, const std::string& command) {
       if (robot) robot->after_step();
     });
     if (robot) robot->close();
+    if (shown) shown->close(stopped_by != 0 ? "stopped by hand" : "the recording has ended");
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
@@ -189,11 +209,7 @@ int run(const Options& options, const std::string& command) {
   if (robot) robot->add_counters(log.counters);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
-  write_run_files(out, info, recording, log, result, rejected);
-  out.write("report.html", make_report(info, recording, log, result, rejected));
-  if (options.trace) out.write("trace.json", trace_json());
-  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
-  out.commit();
+  if (out) write_results(*out, options, info, recording, log, result, rejected);
   if (!options.record.empty()) finish_record(options.record);
   print_result(options, log, result);
   return tell_end(recording, result);
@@ -251,8 +267,15 @@ std::function<int()> declare_run(CLI::App& app) {
                  "name=value, a key of the link: rate_hz, frame, messages, system, mounting_deg")
       ->allow_extra_args(false)
       ->needs(mavlink);
+  auto* const shown = app.add_flag("--view", o->shown, "also show it as a page (docs/view.md)");
+  shown->needs(real_time);
+  for (CLI::Option* option : add_view_options(app, o->shown_at)) option->needs(shown);
   app.footer(fault_help());
-  return [o, &app] { return run(*o, command_line(app)); };
+  return [o, &app] {
+    std::optional<View> view;
+    if (o->shown) view.emplace(o->shown_at);
+    return run(*o, command_line(app), view ? &*view : nullptr);
+  };
 }
 
 std::function<int()> declare_params(CLI::App& app) {
@@ -265,6 +288,17 @@ std::function<int()> declare_params(CLI::App& app) {
 }
 
 }  // namespace
+
+int run_viewed(View& view, const std::string& sequence, const ViewedRun& how) {
+  Options options;
+  options.sequence = sequence;
+  options.recording = how.recording;
+  options.real_time = true;
+  options.cores = how.cores;
+  options.set = how.set;
+  if (!how.files.empty()) bsp::set_storage_directory(how.files.c_str());
+  return run(options, "pirvs view", &view);
+}
 
 const Command kRunCommand = {"run", "Run SLAM on a recording", declare_run};
 const Command kParamsCommand = {"params", "List the parameters that --set can change",
