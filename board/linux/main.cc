@@ -12,6 +12,7 @@
 #include "board/linux/heap_watch.h"
 #include "board/linux/image_share.h"
 #include "board/linux/input.h"
+#include "board/linux/machine_load.h"
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
 #include "board/linux/recordings.h"
@@ -61,6 +62,7 @@ SerialLink serial;
 RobotLink robot;
 GnssReceiver gnss;
 ImageShare images;
+MachineLoad machine_load;
 Calibration calibration;
 
 volatile sig_atomic_t stop_wanted = 0;
@@ -260,6 +262,8 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
   named("disk", "flushes", recordings.flushes());
+  machine_load.for_each_counter(
+      [](const char* name, uint64_t value) { named("system", name, value); });
   named("heap", "calls", heap::calls());
   named("heap", "calls_after_start", heap::calls_after_start());
 }
@@ -357,6 +361,7 @@ int run() {
   load_map();
   start_links();
   start_gnss();
+  machine_load.open();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
     say(settings.watchdog.text, why);
@@ -386,6 +391,7 @@ int run() {
   poses.close();
   recordings.stop();
   close_pins();
+  machine_load.close();
   stream_output.close();
   watchdog.close();
   unwire_sensors();

@@ -163,6 +163,9 @@ class Tracker {
   double wheel_scale() const { return odometry_.scale(); }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return keyframer_.stereo(); }
+  // Of the last frame.
+  const Tracks& tracks(int c) const { return associator_.tracks(c); }
+  TrackUse use(int c, const Track& track) const { return associator_.use(c, track); }
   // The landmarks that tracks show, each once. Returns the count.
   int seen_points(SeenPoint* out, int max) const { return associator_.seen_points(out, max); }
 

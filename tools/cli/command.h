@@ -34,5 +34,6 @@ extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;
 extern const Command kRos2Command;
+extern const Command kViewCommand;
 
 }  // namespace pirvs::tools

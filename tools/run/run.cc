@@ -27,7 +27,9 @@
 #include "tools/run/playback.h"
 #include "tools/run/robot_output.h"
 #include "tools/run/run_mcap.h"
+#include "tools/run/run_viewed.h"
 #include "tools/run/trace_file.h"
+#include "tools/view/replay_view.h"
 
 namespace pirvs::tools {
 namespace {
@@ -49,6 +51,8 @@ struct Options {
   std::string estimate;
   std::string mavlink;
   std::vector<std::string> mavlink_set;
+  bool shown = false;
+  ViewOptions shown_at;
 };
 
 App app;  // static memory, as on the device
@@ -125,7 +129,7 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
     std::printf("with GNSS: ATE %.4f m, not aligned (fixes alone %.3f m), heading %.2f deg\n",
                 fused.ate_rmse_m, fused.fixes_rmse_m, fused.heading_rmse_deg);
   }
-  std::printf("written to %s\n", options.out.c_str());
+  if (!options.out.empty()) std::printf("written to %s\n", options.out.c_str());
 }
 
 // Why a run did not end as it should, if it did not. Returns the exit status.
@@ -144,26 +148,45 @@ int tell_end(const Recording& recording, const RunResult& result) {
   return result.exit_status();
 }
 
-int run(const Options& options, const std::string& command) {
+void write_results(OutputFolder& out, const Options& options, const RunInfo& info,
+                   const Recording& recording, const RunLog& log, const RunResult& result,
+                   const std::vector<Count>& rejected) {
+  write_run_files(out, info, recording, log, result, rejected);
+  out.write("report.html", make_report(info, recording, log, result, rejected));
+  if (options.trace) out.write("trace.json", trace_json());
+  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
+  out.commit();
+}
+
+AppParams params_of(const Options& options) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
   if (!options.estimate.empty()) params.tracking.tracker.estimate_time = 1;
   if (options.map_mode == "localise") params.mapping.extend_map = 0;
+  return params;
+}
+
+// `view`: null: nobody looks.
+int run(const Options& options, const std::string& command, View* view) {
+  const AppParams params = params_of(options);
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
   print_notes(recording);
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
-  OutputFolder out(options.out, options.force);
+  std::optional<OutputFolder> out;
+  if (!options.out.empty()) out.emplace(options.out, options.force);
   const std::string recorded_to = record_folder(options.record);
   if (!options.record.empty()) prepare_record(options.record, recorded_to);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
     robot.emplace(options.mavlink, options.mavlink_set, options.real_time);
-    log.listener = &*robot;
+    log.listeners.push_back(&*robot);
   }
+  std::optional<ReplayView> shown;
+  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording));
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -181,6 +204,7 @@ int run(const Options& options, const std::string& command) {
     app.configure(recording.calibration, params, log.sinks());
     load_map(options.load_map);
     if (robot) robot->open(app, recording.calibration.imu);
+    if (shown) shown->open(app);
     app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
@@ -196,6 +220,7 @@ int run(const Options& options, const std::string& command) {
       if (robot) robot->after_step();
     });
     if (robot) robot->close();
+    if (shown) shown->close(stopped_by != 0 ? "stopped by hand" : "the recording has ended");
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
@@ -204,15 +229,26 @@ int run(const Options& options, const std::string& command) {
   if (robot) robot->add_counters(log.counters);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
-  write_run_files(out, info, recording, log, result, rejected);
-  out.write("report.html", make_report(info, recording, log, result, rejected));
-  if (options.trace) out.write("trace.json", trace_json());
-  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
-  out.commit();
+  if (out) write_results(*out, options, info, recording, log, result, rejected);
   if (!options.record.empty()) finish_record(options.record);
   if (!options.save_map.empty()) write_map_file(options.save_map, app.map());
   print_result(options, log, result);
   return tell_end(recording, result);
+}
+
+void add_map_options(CLI::App& app, Options& o) {
+  app.add_option("--save-map", o.save_map,
+                 "FILE, the map at the end of the run, to be localised in later (docs/maps.md)");
+  auto* const load_map =
+      app.add_option("--load-map", o.load_map,
+                     "FILE, the map of an earlier run: poses stand in its frame once a place of it "
+                     "is recognised")
+          ->check(CLI::ExistingFile);
+  app.add_option("--map-mode", o.map_mode,
+                 "extend: the loaded map grows; localise: it stays as it is")
+      ->check(CLI::IsMember({"extend", "localise"}))
+      ->capture_default_str()
+      ->needs(load_map);
 }
 
 std::function<int()> declare_run(CLI::App& app) {
@@ -260,19 +296,7 @@ std::function<int()> declare_run(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--record", o->record,
                  "also write the input, with its injected faults, as an ASL folder, or as *.mcap");
-  auto* const save_map = app.add_option(
-      "--save-map", o->save_map, "FILE, the map at the end of the run, to be localised in later");
-  auto* const load_map =
-      app.add_option("--load-map", o->load_map,
-                     "FILE, the map of an earlier run: poses stand in its frame once a place of it "
-                     "is recognised")
-          ->check(CLI::ExistingFile);
-  app.add_option("--map-mode", o->map_mode,
-                 "extend: the loaded map grows; localise: it stays as it is")
-      ->check(CLI::IsMember({"extend", "localise"}))
-      ->capture_default_str()
-      ->needs(load_map);
-  (void)save_map;
+  add_map_options(app, *o);
   auto* const mavlink = app.add_option(
       "--mavlink", o->mavlink,
       "udp:HOST:PORT or a file, the poses as an autopilot gets them (docs/integration.md)");
@@ -280,8 +304,15 @@ std::function<int()> declare_run(CLI::App& app) {
                  "name=value, a key of the link: rate_hz, frame, messages, system, mounting_deg")
       ->allow_extra_args(false)
       ->needs(mavlink);
+  auto* const shown = app.add_flag("--view", o->shown, "also show it as a page (docs/view.md)");
+  shown->needs(real_time);
+  for (CLI::Option* option : add_view_options(app, o->shown_at)) option->needs(shown);
   app.footer(fault_help());
-  return [o, &app] { return run(*o, command_line(app)); };
+  return [o, &app] {
+    std::optional<View> view;
+    if (o->shown) view.emplace(o->shown_at);
+    return run(*o, command_line(app), view ? &*view : nullptr);
+  };
 }
 
 std::function<int()> declare_params(CLI::App& app) {
@@ -294,6 +325,17 @@ std::function<int()> declare_params(CLI::App& app) {
 }
 
 }  // namespace
+
+int run_viewed(View& view, const std::string& sequence, const ViewedRun& how) {
+  Options options;
+  options.sequence = sequence;
+  options.recording = how.recording;
+  options.real_time = true;
+  options.cores = how.cores;
+  options.set = how.set;
+  if (!how.files.empty()) bsp::set_storage_directory(how.files.c_str());
+  return run(options, "pirvs view", &view);
+}
 
 const Command kRunCommand = {"run", "Run SLAM on a recording", declare_run};
 const Command kParamsCommand = {"params", "List the parameters that --set can change",
