@@ -2,7 +2,7 @@
 
 Topics, below a prefix (`pirvs`):
   PREFIX/DEVICE/pose    {"n", "t", "p", "q", "health", "confidence"}: n counts from 0, so that a
-                        receiver knows what it missed; t in s; T_WB, q as x y z w. QoS 0 by first
+                        receiver knows what it missed; t in s; T_WB, q as x y z w; by QoS 0
   PREFIX/DEVICE/status  online or offline, retained; the broker itself says offline when it breaks
 """
 

@@ -145,7 +145,7 @@ def render(rows):
     return (f'<!doctype html><html lang="en"><meta charset="utf-8"><title>Sweep</title>'
             f"<style>{STYLE}{OWN_STYLE}</style><main><h1>Sweep</h1>"
             f'<p class="sub">{len(rows)} runs of revision {html.escape(revisions)}. Green: the '
-            f"best choice of a recording, by runs that failed, then by the median over seeds. Every run "
-            f"stands in sweep.csv.</p><div class='card'><table><tr>"
+            f"best choice of a recording, by runs that failed, then by the median over seeds. "
+            f"Every run stands in sweep.csv.</p><div class='card'><table><tr>"
             + "".join(f"<th>{head}</th>" for head in heads) + f"</tr>{''.join(body)}</table></div>"
             f"</main></html>\n")
