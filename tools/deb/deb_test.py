@@ -54,6 +54,7 @@ def build_programs(folder):
         subprocess.run(["gcc", *static, source, "-o", Path(folder) / name], check=True)
 
 
+@unittest.skipUnless(os.environ.get("PIRVS_NIGHTLY"), "for make nightly")
 @unittest.skipUnless(shutil.which("dpkg-deb") and shutil.which("help2man"), "no help2man here")
 @unittest.skipUnless(os.uname().machine == "x86_64", "for amd64")
 class Packages(unittest.TestCase):
