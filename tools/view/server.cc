@@ -67,10 +67,16 @@ const lws_protocols kProtocols[] = {
 };
 
 struct Round : lws_sorted_usec_list_t {
-  bool due = false;
+  lws_context* context = nullptr;
+  std::function<void()> call;
 };
 
-void on_round(lws_sorted_usec_list_t* list) { static_cast<Round*>(list)->due = true; }
+// lws_service() waits on after a timer has run: the next one must be set here.
+void on_round(lws_sorted_usec_list_t* list) {
+  auto* const next = static_cast<Round*>(list);
+  next->call();
+  lws_sul_schedule(next->context, 0, next, on_round, kRound_us);
+}
 
 }  // namespace
 
@@ -121,15 +127,10 @@ std::string ViewServer::address() const {
 
 void ViewServer::run() {
   Round next{};
-  next.due = true;
-  while (!stop_) {
-    if (next.due) {
-      next.due = false;
-      round();
-      lws_sul_schedule(context_, 0, &next, on_round, kRound_us);
-    }
-    lws_service(context_, 0);
-  }
+  next.context = context_;
+  next.call = [this] { round(); };
+  on_round(&next);
+  while (!stop_) lws_service(context_, 0);
   lws_sul_schedule(context_, 0, &next, on_round, LWS_SET_TIMER_USEC_CANCEL);
 }
 
