@@ -41,7 +41,9 @@ class Still {
       scene_[c].resize(kWidth * kHeight);
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
-          const int column = (x + c * kDisparity) / 4, row = y / 4;
+          // A step between two planes: one alone could be any wallpaper (Places::found_alone).
+          const int disparity = y < kHeight / 2 ? kDisparity : 2 * kDisparity;
+          const int column = (x + c * disparity) / 4, row = y / 4;
           scene_[c][size_t(y * kWidth + x)] =
               uint8_t(coarse[size_t(row * (kWidth / 4 + 8) + column)]);
         }

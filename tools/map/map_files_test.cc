@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class MapFiles : public testing::Test {
+class MapFiles : public ::testing::Test {
  protected:
   MapFiles() { fs::create_directories(folder_); }
   ~MapFiles() override { fs::remove_all(folder_); }

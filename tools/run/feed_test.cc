@@ -339,7 +339,7 @@ TEST(feed, a_row_of_the_order_that_makes_no_sense_is_named) {
                              "gnss,1,5,0,0,0,0,0,1,0,0,0,0",
                              "gnss,1,4,0,0,0,0,0,1,0,0,0",
                              "lost,gnss",
-                             "command,8,0,0,0,0,0,x"};
+                             "command,11,0,0,0,0,0,x"};
   for (const char* row : bad) {
     std::ofstream(file) << "#heading\ntick,1\n" << row << "\n";
     try {

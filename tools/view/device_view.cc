@@ -38,7 +38,7 @@ uint32_t wanted_kinds() {
 // What has been told since the device was found.
 class Session {
  public:
-  explicit Session(Scene& scene) : scene_(scene) {}
+  explicit Session(ViewScene& scene) : scene_(scene) {}
 
   // False: this is not the device, or not the start, that the datagrams before were of.
   bool take(const Datagram& datagram, const Listener& listener);
@@ -50,7 +50,7 @@ class Session {
   void take_counters(const stream::Header& header, const uint8_t* payload);
   void take_thumbnail(const stream::ThumbnailMessage& part);
 
-  Scene& scene_;
+  ViewScene& scene_;
   TimeNs t_ = 0;
   bool has_sequence_ = false;
   uint32_t sequence_ = 0;
@@ -212,7 +212,7 @@ json source_of(const DeviceViewOptions& options) {
 
 void view_device(View& view, const DeviceViewOptions& options,
                  const volatile std::sig_atomic_t& stop) {
-  Scene& scene = view.scene();
+  ViewScene& scene = view.scene();
   scene.begin(source_of(options));
   std::optional<SerialCommands> serial;
   if (!options.serial.empty()) {

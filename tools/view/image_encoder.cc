@@ -20,7 +20,7 @@ std::string view_jpeg(const cv::Mat& image) {
   return {reinterpret_cast<const char*>(out.data()), out.size()};
 }
 
-ImageEncoder::ImageEncoder(Scene& scene) : scene_(scene), thread_([this] { run(); }) {}
+ImageEncoder::ImageEncoder(ViewScene& scene) : scene_(scene), thread_([this] { run(); }) {}
 
 ImageEncoder::~ImageEncoder() {
   {

@@ -1,7 +1,7 @@
 // What    JPEGs of a stereo frame with its tracks, made by a thread of its own.
 // In      offer(): from the core that tracks; images are copied, if the last ones are done and
 //         kPeriod_ns has passed.
-// Out     Scene::image(), made smaller to at most kWidthMax pixels a row.
+// Out     ViewScene::image(), made smaller to at most kWidthMax pixels a row.
 // Errors  none: what comes too soon is left out.
 // Cost    offer ~80 us for two of 752 x 480, 12 times a second, else a load; the thread ~2 ms an
 //         image.
@@ -30,7 +30,7 @@ class ImageEncoder {
   static constexpr TimeNs kPeriod_ns = 80'000'000;
   static constexpr int kWidthMax = 400;
 
-  explicit ImageEncoder(Scene& scene);
+  explicit ImageEncoder(ViewScene& scene);
   ~ImageEncoder();
   ImageEncoder(const ImageEncoder&) = delete;
   ImageEncoder& operator=(const ImageEncoder&) = delete;
@@ -40,7 +40,7 @@ class ImageEncoder {
  private:
   void run();
 
-  Scene& scene_;
+  ViewScene& scene_;
   TimeNs next_t_ = 0;  // on this machine's clock
   cv::Mat pixels_[kCamerasMax];
   ViewImage images_[kCamerasMax];

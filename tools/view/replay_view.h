@@ -42,7 +42,7 @@ class ReplayView : public RunListener {
   void count();  // a thread's
 
   View& view_;
-  Scene& scene_;
+  ViewScene& scene_;
   ImageEncoder encoder_;
   App* app_ = nullptr;
   TimeNs points_t_ = 0;  // of the next ones, on this machine's clock

@@ -158,7 +158,7 @@ json read_summary(const std::string& path) {
   return summary;
 }
 
-void show_map(Scene& scene, const std::string& folder) {
+void show_map(ViewScene& scene, const std::string& folder) {
   if (fs::exists(folder + "/keyframes.tum") && fs::file_size(folder + "/keyframes.tum") > 0) {
     for (const TrajectoryPose& pose : read_trajectory(folder + "/keyframes.tum").poses) {
       scene.keyframe(pose.p_WB, pose.q_WB);
@@ -172,7 +172,7 @@ void show_map(Scene& scene, const std::string& folder) {
   scene.points(points);
 }
 
-void show_events(Scene& scene, Rows& states) {
+void show_events(ViewScene& scene, Rows& states) {
   double health = -1, resets = 0;
   for (Row& row : states.rows) {
     if (std::isnan(row["health"])) return;
@@ -195,7 +195,7 @@ bool is_run_folder(const std::string& path) {
   return fs::exists(path + "/summary.json") && fs::exists(path + "/trajectory.tum");
 }
 
-void show_run(Scene& scene, const std::string& folder) {
+void show_run(ViewScene& scene, const std::string& folder) {
   const json summary = read_summary(folder + "/summary.json");
   const bool has_states = fs::exists(folder + "/state.csv");
   Rows states =

@@ -12,6 +12,6 @@
 namespace pirvs::tools {
 
 bool is_run_folder(const std::string& path);
-void show_run(Scene& scene, const std::string& folder);
+void show_run(ViewScene& scene, const std::string& folder);
 
 }  // namespace pirvs::tools

@@ -42,7 +42,7 @@ json statistics(std::vector<float> values) {
 
 // ---- the source --------------------------------------------------------------------------------
 
-void Scene::begin(const json& source) {
+void ViewScene::begin(const json& source) {
   const std::lock_guard lock(mutex_);
   source_ = source;
   forget_locked();
@@ -59,7 +59,7 @@ void Scene::begin(const json& source) {
   pending_.push_back(view_message(hello()));
 }
 
-void Scene::source_is(const char* state, const std::string& what) {
+void ViewScene::source_is(const char* state, const std::string& what) {
   const std::lock_guard lock(mutex_);
   const json now = {{"type", "source"}, {"state", state}, {"what", what}};
   if (now == source_state_) return;
@@ -67,7 +67,7 @@ void Scene::source_is(const char* state, const std::string& what) {
   pending_.push_back(view_message(now));
 }
 
-void Scene::forget_locked() {
+void ViewScene::forget_locked() {
   path_.clear();
   keyframes_.clear();
   points_.clear();
@@ -77,7 +77,7 @@ void Scene::forget_locked() {
   path_step_m_ = 0.01F;
 }
 
-void Scene::forget() {
+void ViewScene::forget() {
   const std::lock_guard lock(mutex_);
   forget_locked();
   fused_path_.clear();
@@ -87,7 +87,7 @@ void Scene::forget() {
 }
 
 // Points that were told before may have another place by now.
-void Scene::grow_old() {
+void ViewScene::grow_old() {
   for (auto& [id, known] : points_) known.old = true;
   pending_.push_back(view_message({{"type", "jump"},
                                    {"t", view_time(pose_->t)},
@@ -95,7 +95,7 @@ void Scene::grow_old() {
                                    {"m", view_number(double(pose_->jump_m))}}));
 }
 
-void Scene::extend_path(const ViewPose& pose) {
+void ViewScene::extend_path(const ViewPose& pose) {
   const Eigen::Vector3f p = pose.p_WB.cast<float>();
   const auto segment = static_cast<float>(pose.resets);
   if (!path_.empty()) {
@@ -111,7 +111,7 @@ void Scene::extend_path(const ViewPose& pose) {
   path_.push_back({p.x(), p.y(), p.z(), pose.confidence, segment});
 }
 
-void Scene::pose(const ViewPose& pose) {
+void ViewScene::pose(const ViewPose& pose) {
   const std::lock_guard lock(mutex_);
   const bool jumped = pose_.has_value() && pose_->resets != pose.resets;
   const bool frame_is_new = !pose_.has_value() || pose_->t_frame != pose.t_frame;
@@ -127,19 +127,19 @@ void Scene::pose(const ViewPose& pose) {
   if (frame_is_new) rates_.frame_to_pose_ms.push_back(since(pose.t_frame));
 }
 
-void Scene::frame(const ViewFrame& frame) {
+void ViewScene::frame(const ViewFrame& frame) {
   const std::lock_guard lock(mutex_);
   frame_ = frame;
   frame_new_ = true;
   if (frame.keyframe && frame.has_pose) add_keyframe(frame.p_WB, frame.q_xyzw);
 }
 
-void Scene::keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
+void ViewScene::keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
   const std::lock_guard lock(mutex_);
   add_keyframe(p_WB, q_xyzw);
 }
 
-void Scene::add_keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
+void ViewScene::add_keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
   if (keyframes_.size() >= kPathMax) {
     thin(keyframes_);
     keyframes_told_ = 0;
@@ -150,7 +150,7 @@ void Scene::add_keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
   keyframes_.push_back(keyframe);
 }
 
-void Scene::health(TimeNs t, HealthState state, const std::string& what) {
+void ViewScene::health(TimeNs t, HealthState state, const std::string& what) {
   const std::lock_guard lock(mutex_);
   events_.push_back(
       {{"type", "event"}, {"t", view_time(t)}, {"health", name(state)}, {"what", what}});
@@ -158,7 +158,7 @@ void Scene::health(TimeNs t, HealthState state, const std::string& what) {
   pending_.push_back(view_message(events_.back()));
 }
 
-void Scene::points(const std::vector<ViewPoint>& points) {
+void ViewScene::points(const std::vector<ViewPoint>& points) {
   const std::lock_guard lock(mutex_);
   for (const ViewPoint& point : points) {
     const auto [at, is_new] = points_.insert_or_assign(point.id, KnownPoint{point, false});
@@ -172,7 +172,7 @@ void Scene::points(const std::vector<ViewPoint>& points) {
   }
 }
 
-void Scene::image(ViewImage image) {
+void ViewScene::image(ViewImage image) {
   const json header = {{"type", "image"},          {"t", view_time(image.t)},
                        {"camera", image.camera},   {"width", image.width},
                        {"height", image.height},   {"tracks", image.tracks.size()},
@@ -186,13 +186,13 @@ void Scene::image(ViewImage image) {
   pending_.push_back(std::move(message));
 }
 
-void Scene::counters(const std::map<std::string, uint64_t>& counters) {
+void ViewScene::counters(const std::map<std::string, uint64_t>& counters) {
   const std::lock_guard lock(mutex_);
   counters_ = counters;
   pending_.push_back(view_message({{"type", "counters"}, {"values", counters_}}));
 }
 
-void Scene::fused(const FusedPose& pose) {
+void ViewScene::fused(const FusedPose& pose) {
   const std::lock_guard lock(mutex_);
   fused_ = pose;
   fused_pose_ = pose_;
@@ -210,7 +210,7 @@ void Scene::fused(const FusedPose& pose) {
   fused_path_.push_back({p.x(), p.y(), p.z(), static_cast<float>(std::sqrt(variance_m2))});
 }
 
-void Scene::fix(const Vec3& p_E, FixGate gate) {
+void ViewScene::fix(const Vec3& p_E, FixGate gate) {
   const std::lock_guard lock(mutex_);
   if (!p_E.allFinite()) return;
   if (fixes_.size() >= kPathMax) {
@@ -221,24 +221,24 @@ void Scene::fix(const Vec3& p_E, FixGate gate) {
   fixes_.push_back({p.x(), p.y(), p.z(), static_cast<float>(gate)});
 }
 
-void Scene::answer(const std::string& id, const std::string& text) {
+void ViewScene::answer(const std::string& id, const std::string& text) {
   const std::lock_guard lock(mutex_);
   pending_.push_back(view_message({{"type", "answer"}, {"id", id}, {"text", text}}));
 }
 
-void Scene::system(const json& load) {
+void ViewScene::system(const json& load) {
   const std::lock_guard lock(mutex_);
   system_ = load;
   system_["type"] = "system";
   pending_.push_back(view_message(system_));
 }
 
-void Scene::earlier_map(const std::vector<Eigen::Vector3f>& points) {
+void ViewScene::earlier_map(const std::vector<Eigen::Vector3f>& points) {
   const std::lock_guard lock(mutex_);
   earlier_map_ = points;
 }
 
-void Scene::lasting(ViewMessage message) {
+void ViewScene::lasting(ViewMessage message) {
   const std::lock_guard lock(mutex_);
   lasting_.push_back(message);
   pending_.push_back(std::move(message));
@@ -246,7 +246,7 @@ void Scene::lasting(ViewMessage message) {
 
 // ---- the server --------------------------------------------------------------------------------
 
-json Scene::hello() const {
+json ViewScene::hello() const {
   constexpr int kSchema = 1;
   json gates = json::array(), uses = {"new", "waiting", "used", "rejected"};
   for (int i = 0; i < static_cast<int>(FixGate::kCount); ++i) {
@@ -259,7 +259,7 @@ json Scene::hello() const {
           {"track_uses", uses}};
 }
 
-ViewMessage Scene::state_message() const {
+ViewMessage ViewScene::state_message() const {
   const ViewPose& pose = *pose_;
   json reasons = json::array();
   for (int i = 0; i < static_cast<int>(Reason::kCount); ++i) {
@@ -286,7 +286,7 @@ ViewMessage Scene::state_message() const {
   return view_message(out, Kind::kState);
 }
 
-ViewMessage Scene::frame_message() const {
+ViewMessage ViewScene::frame_message() const {
   const ViewFrame& frame = *frame_;
   const auto ms = [](float value) { return view_number(double(value)); };
   const json out = {{"type", "frame"},
@@ -305,7 +305,7 @@ ViewMessage Scene::frame_message() const {
   return view_message(out, Kind::kFrame);
 }
 
-ViewMessage Scene::rates_message(TimeNs now) {
+ViewMessage ViewScene::rates_message(TimeNs now) {
   const double seconds = to_seconds(now - rates_.since);
   const json out = {{"type", "rates"},
                     {"poses_hz", view_number(rates_.poses / seconds)},
@@ -317,19 +317,19 @@ ViewMessage Scene::rates_message(TimeNs now) {
   return view_message(out);
 }
 
-ViewMessage Scene::points_message(const std::vector<PointRow>& rows) {
+ViewMessage ViewScene::points_message(const std::vector<PointRow>& rows) {
   return rows_message("points", rows, 0, false);
 }
 
 // Where E stands in W: both have the body, at nearly the same time. null: not known.
-json Scene::earth_to_world() const {
+json ViewScene::earth_to_world() const {
   if (!fused_.has_value() || !fused_pose_.has_value() || !fused_->has_heading) return nullptr;
   const Mat3 R_WE = rotation_from_quat_xyzw(fused_pose_->q_xyzw) * fused_->T_EB.R.transpose();
   const Vec3 p_WE = fused_pose_->p_WB - R_WE * fused_->T_EB.p;
   return {{"p", view_numbers(p_WE)}, {"q", view_numbers(quat_xyzw(R_WE))}};
 }
 
-ViewMessage Scene::fused_message(size_t from) const {
+ViewMessage ViewScene::fused_message(size_t from) const {
   const FusedPose& newest = *fused_;
   constexpr double kDegree = 3.14159265358979323846 / 180;
   const double variance_m2 = (newest.cov(3, 3) + newest.cov(4, 4)) / 2;
@@ -348,7 +348,7 @@ ViewMessage Scene::fused_message(size_t from) const {
 }
 
 // What has grown since it was last told.
-void Scene::put_news_of_map(std::vector<ViewMessage>& out) {
+void ViewScene::put_news_of_map(std::vector<ViewMessage>& out) {
   if (path_told_ < path_.size()) {
     out.push_back(rows_message("path", path_, path_told_, path_told_ == 0));
     path_told_ = path_.size();
@@ -375,7 +375,7 @@ void Scene::put_news_of_map(std::vector<ViewMessage>& out) {
   }
 }
 
-std::vector<ViewMessage> Scene::news(TimeNs now) {
+std::vector<ViewMessage> ViewScene::news(TimeNs now) {
   const std::lock_guard lock(mutex_);
   std::vector<ViewMessage> out = std::move(pending_);
   pending_.clear();
@@ -391,7 +391,7 @@ std::vector<ViewMessage> Scene::news(TimeNs now) {
   return out;
 }
 
-std::vector<ViewMessage> Scene::all() {
+std::vector<ViewMessage> ViewScene::all() {
   const std::lock_guard lock(mutex_);
   std::vector<ViewMessage> out = {view_message(hello()), view_message(source_state_)};
   out.insert(out.end(), lasting_.begin(), lasting_.end());

@@ -70,7 +70,7 @@ struct ViewImage {
 };
 
 // Many methods: one for each thing that a source tells.
-class Scene {
+class ViewScene {
  public:
   static constexpr size_t kPathMax = 40'000, kPointsMax = 60'000, kEventsMax = 500;
 

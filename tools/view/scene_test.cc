@@ -51,7 +51,7 @@ ViewPose pose_at(double x, uint32_t resets = 0) {
 }
 
 TEST(view_scene, news_are_told_once_and_all_of_it_to_who_comes) {
-  Scene scene;
+  ViewScene scene;
   scene.begin({{"kind", "replay"}});
   scene.pose(pose_at(0));
   scene.pose(pose_at(1));
@@ -71,7 +71,7 @@ TEST(view_scene, news_are_told_once_and_all_of_it_to_who_comes) {
 }
 
 TEST(view_scene, points_are_old_after_a_jump_until_they_are_seen_again) {
-  Scene scene;
+  ViewScene scene;
   scene.pose(pose_at(0));
   scene.points({{7, {1, 2, 3}, 0.1F}, {8, {4, 5, 6}, 0.1F}});
   (void)scene.news(1);
@@ -90,28 +90,28 @@ TEST(view_scene, points_are_old_after_a_jump_until_they_are_seen_again) {
 }
 
 TEST(view_scene, what_lasts_is_bounded) {
-  Scene scene;
-  for (size_t i = 0; i < 3 * Scene::kPathMax; ++i) scene.pose(pose_at(double(i)));
+  ViewScene scene;
+  for (size_t i = 0; i < 3 * ViewScene::kPathMax; ++i) scene.pose(pose_at(double(i)));
   std::vector<ViewPoint> points;
-  for (size_t i = 0; i < Scene::kPointsMax + 10; ++i) {
+  for (size_t i = 0; i < ViewScene::kPointsMax + 10; ++i) {
     points.push_back({uint32_t(i), Eigen::Vector3f::Zero(), 0});
   }
   scene.points(points);
-  for (size_t i = 0; i < 2 * Scene::kEventsMax; ++i) {
+  for (size_t i = 0; i < 2 * ViewScene::kEventsMax; ++i) {
     scene.health(TimeNs(i), HealthState::kLost, "again");
   }
   const auto all = scene.all();
   const size_t places = header_of(*find(all, "path"))["count"];
-  EXPECT_LE(places, Scene::kPathMax);
-  EXPECT_GT(places, Scene::kPathMax / 4);
-  EXPECT_EQ(header_of(*find(all, "points"))["count"], Scene::kPointsMax);
+  EXPECT_LE(places, ViewScene::kPathMax);
+  EXPECT_GT(places, ViewScene::kPathMax / 4);
+  EXPECT_EQ(header_of(*find(all, "points"))["count"], ViewScene::kPointsMax);
   size_t events = 0;
   for (const ViewMessage& message : all) events += header_of(message)["type"] == "event" ? 1 : 0;
-  EXPECT_EQ(events, Scene::kEventsMax);
+  EXPECT_EQ(events, ViewScene::kEventsMax);
 }
 
 TEST(view_scene, rates_are_of_the_last_second) {
-  Scene scene;
+  ViewScene scene;
   constexpr TimeNs kSecond_ns = 1'000'000'000;
   (void)scene.news(kSecond_ns);
   for (int i = 0; i < 100; ++i) scene.pose(pose_at(i));
@@ -126,7 +126,7 @@ TEST(view_scene, rates_are_of_the_last_second) {
 TEST(view_scene, what_is_no_number_and_no_text_is_said_so) {
   EXPECT_TRUE(view_number(std::numeric_limits<double>::quiet_NaN()).is_null());
   EXPECT_EQ(view_number(1.0 / 3).dump(), "0.333333");
-  Scene scene;
+  ViewScene scene;
   scene.health(0, HealthState::kLost, "\xff\"<script>");
   EXPECT_EQ(header_of(*find(scene.news(1), "event"))["what"], "\xEF\xBF\xBD\"<script>");
 }

@@ -89,7 +89,7 @@ struct ViewServer::Page {
   std::string text;  // that has come in parts
 };
 
-ViewServer::ViewServer(const ViewServerOptions& options, Scene& scene, Obey obey)
+ViewServer::ViewServer(const ViewServerOptions& options, ViewScene& scene, Obey obey)
     : options_(options), scene_(scene), obey_(std::move(obey)) {
   lws_set_log_level(0, nullptr);
   lws_context_creation_info info{};

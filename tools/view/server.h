@@ -35,7 +35,7 @@ class ViewServer {
   // server's thread.
   using Obey = std::function<void(const std::string& id, const std::string& line)>;
 
-  ViewServer(const ViewServerOptions& options, Scene& scene, Obey obey);
+  ViewServer(const ViewServerOptions& options, ViewScene& scene, Obey obey);
   ~ViewServer();
   ViewServer(const ViewServer&) = delete;
   ViewServer& operator=(const ViewServer&) = delete;
@@ -61,7 +61,7 @@ class ViewServer {
   Page* find(const lws* wsi);
 
   ViewServerOptions options_;
-  Scene& scene_;
+  ViewScene& scene_;
   Obey obey_;
   int port_ = 0;
   lws_context* context_ = nullptr;

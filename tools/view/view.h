@@ -25,7 +25,7 @@ std::vector<CLI::Option*> add_view_options(CLI::App& app, ViewOptions& options);
 class View {
  public:
   explicit View(const ViewOptions& options);
-  Scene& scene() { return scene_; }
+  ViewScene& scene() { return scene_; }
   const ViewServer& server() const { return server_; }
   // nullptr: nobody does. The answer is told to the scene, by the same id.
   void obeyed_by(ViewServer::Obey obey);
@@ -33,7 +33,7 @@ class View {
  private:
   void obey(const std::string& id, const std::string& line);
 
-  Scene scene_;
+  ViewScene scene_;
   std::mutex mutex_;
   ViewServer::Obey obey_;
   ViewServer server_;

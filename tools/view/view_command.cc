@@ -86,7 +86,7 @@ int save(const Options& options) {
   if (!is_run_folder(options.source)) {
     throw InputError("not a finished run", options.source, "give a folder of `pirvs run --out`");
   }
-  Scene scene;
+  ViewScene scene;
   if (!options.view.earlier_map.empty()) scene.earlier_map(read_ply(options.view.earlier_map));
   show_run(scene, options.source);
   save_page(scene.all(), options.save);
