@@ -28,7 +28,7 @@ std::string build_folder() {
 json looked_at(const std::string& what, const std::string& source, const std::string& folder) {
   const char* const picture = std::getenv("PIRVS_PICTURES");
   const std::string command = "NODE_PATH=" + build_folder() +
-                              "/view-test/node_modules node tests/view/browser.cjs " +
+                              "/view-test/node_modules timeout 180 node tests/view/browser.cjs " +
                               build_folder() + "/host/pirvs " + what + " " + source + " " + folder +
                               (picture != nullptr ? std::string(" ") + picture : "");
   std::string line, last;
@@ -48,7 +48,12 @@ json looked_at(const std::string& what, const std::string& source, const std::st
   return out;
 }
 
+// Not each day: a browser is 360 MB, and this waits for what does not come yet (docs/view.md).
 bool has_browser() {
+  if (std::getenv("PIRVS_NIGHTLY") == nullptr) {
+    std::printf("skipped: for make nightly\n");
+    return false;
+  }
   const char* const other = std::getenv("PIRVS_CHROMIUM");
   const bool has = fs::exists(other != nullptr ? other : "/usr/bin/chromium");
   if (!has) std::printf("skipped: no /usr/bin/chromium\n");
