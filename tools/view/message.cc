@@ -39,6 +39,9 @@ json view_number(double value) {
   return std::fabs(scaled) < 9e15 ? scaled / kDigits : value;
 }
 
-json view_time(TimeNs t) { return static_cast<double>(t / 1000) / 1e6; }
+json view_time(TimeNs t) {
+  const TimeNs whole_us = t / 1000;
+  return static_cast<double>(whole_us) / 1e6;
+}
 
 }  // namespace pirvs::tools
