@@ -168,8 +168,8 @@ trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a pag
 	@tools/trust/trust --pirvs $(OUT)/pirvs --out $(BUILD)/trust $(if $(T),--only $(T)) $(ARGS)
 
 # Rooms of Monday on Tuesday (docs/maps.md).
-maps: $(OUT)/pirvs ## are saved maps found again, and no others? 20 starts, and 20 elsewhere
-	@tools/maps/maps --pirvs $(OUT)/pirvs --out $(BUILD)/maps $(ARGS)
+relocalization: $(OUT)/pirvs ## is a saved map found again, and no other? 20 starts, and 20 elsewhere
+	@tools/relocalization/relocalization --pirvs $(OUT)/pirvs --out $(BUILD)/relocalization $(ARGS)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden

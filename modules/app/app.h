@@ -162,7 +162,6 @@ class App {
   Inbox inbox_;
   ArrivalSource replayed_;
   Command executing_;
-  SE3 found_;  // by kGetNode
   bool has_command_ = false;
   bool ending_ = false;  // no more is taken from the sensors
   bool held_ = false;    // may_go_on_ said no when it was last asked

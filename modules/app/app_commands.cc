@@ -120,7 +120,10 @@ bool App::command_step() {
   if (status == Status::kEmpty) return false;
   has_command_ = false;
   if (sinks_.answer != nullptr) {
-    sinks_.answer(sinks_.context, {executing_.ticket, executing_.kind, status, found_});
+    Answer answer = {executing_.ticket, executing_.kind, status, SE3{}};
+    const bool found = answer.kind == CommandKind::kGetNode && status == Status::kOk;
+    if (found) answer.T_WN = estimator_.node_pose(executing_.text).value();
+    sinks_.answer(sinks_.context, answer);
   }
   return true;
 }
@@ -161,11 +164,8 @@ Status App::execute_at_rest(const Command& command) {
       return save(estimator_.map(), command.text, map_index_);
     case CommandKind::kSetNode:
       return set_node(estimator_, command);
-    case CommandKind::kGetNode: {
-      const Result<SE3> pose = estimator_.node_pose(command.text);
-      if (pose.ok()) found_ = pose.value();
-      return pose.status();
-    }
+    case CommandKind::kGetNode:
+      return estimator_.node_pose(command.text).status();
     case CommandKind::kRemoveNode:
       return estimator_.remove_node(command.text);
     case CommandKind::kLoadMap:

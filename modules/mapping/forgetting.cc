@@ -19,15 +19,14 @@ void weigh_keyframes(WorkingMap& map, size_t& next) {
 }
 
 size_t least_useful(const WorkingMap& map, size_t window) {
-  const size_t kept = window + 1;  // the prior stands on one of them
-  size_t least = map.size() - 1;
-  for (size_t i = 0; i + kept < map.size(); ++i) {
-    const Keyframe& one = map.keyframe(i);
-    const bool first = least == map.size() - 1;
-    if (!one.kept && (first || one.worth < map.keyframe(least).worth)) least = i;
+  const size_t newest = window + 1;  // the prior stands on one of them
+  const auto loaded = [&](size_t i) { return map.keyframe(i).kept; };
+  size_t least = 0;
+  while (loaded(least)) ++least;  // keep_all() has left room for more than a window
+  PIRVS_ASSERT(least + newest < map.size());
+  for (size_t i = least + 1; i + newest < map.size(); ++i) {
+    if (!loaded(i) && map.keyframe(i).worth < map.keyframe(least).worth) least = i;
   }
-  PIRVS_ASSERT(least !=
-               map.size() - 1);  // make_room_to_localise() has left more room than a window
   return least;
 }
 
