@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include "core/base/number.h"
+#include "core/base/plain_name.h"
 #include "core/config/key_values.h"
 #include "core/math/so3.h"
 
@@ -61,13 +62,7 @@ TextRequest command(CommandKind kind, std::string_view text = "") {
 
 // A file of the storage's own folder: a host cannot reach others.
 bool is_file_name(std::string_view name) {
-  if (name.empty() || name.size() >= Command::kTextMax || name[0] == '.') return false;
-  for (const char c : name) {
-    const bool good = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-                      c == '.' || c == '_' || c == '-';
-    if (!good) return false;
-  }
-  return true;
+  return is_plain_name(name) && name.size() < Command::kTextMax && name[0] != '.';
 }
 
 TextRequest read_map(const Words& words) {

@@ -3,6 +3,8 @@
 #include <cstring>
 #include <limits>
 
+#include "core/base/plain_name.h"
+
 namespace pirvs {
 namespace {
 
@@ -36,16 +38,7 @@ Status tie(const Map& map, const SE3& T_WN, uint16_t epoch, KeyframeId without, 
 
 }  // namespace
 
-bool is_node_name(const char* name) {
-  size_t size = 0;
-  for (const char* at = name; *at != '\0'; ++at, ++size) {
-    const char c = *at;
-    const bool good = (c >= '0' && c <= '9') || (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') ||
-                      c == '.' || c == '_' || c == '-';
-    if (!good) return false;
-  }
-  return size > 0 && size < kNodeName;
-}
+bool is_node_name(const char* name) { return is_plain_name(name) && std::strlen(name) < kNodeName; }
 
 Status set_node(Map& map, const char* name, const SE3& T_WN, uint16_t epoch) {
   if (!is_node_name(name) || !T_WN.R.allFinite() || !T_WN.p.allFinite()) return Status::kBadData;
