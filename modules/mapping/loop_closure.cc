@@ -50,7 +50,7 @@ void LoopCloser::close(const KeyframeMessage& message, WorkingMap& map, WindowPr
   const uint32_t sequence_begin = map.keyframe(begin).sequence;
   for (size_t slot = 0; slot < map.points().capacity(); ++slot) {
     Landmark* point = map.points().at(slot);
-    if (point == nullptr || point->last_keyframe < sequence_begin) continue;
+    if (point == nullptr || point->kept || point->last_keyframe < sequence_begin) continue;
     const uint32_t seen = std::min(point->last_keyframe, map.newest().sequence);
     move(motions_[map.place_after(seen, begin) - begin - 1], *point);
   }
