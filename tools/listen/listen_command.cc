@@ -1,6 +1,5 @@
 // `pirvs listen [HOST]`: what a device tells over the network, on the screen and in a run folder.
 #include <cmath>
-#include <csignal>
 #include <cstdio>
 #include <iterator>
 #include <memory>
@@ -8,6 +7,7 @@
 #include "bsp/api/clock.h"
 #include "core/math/trig.h"
 #include "tools/cli/command.h"
+#include "tools/cli/stop.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/trajectory.h"
 #include "tools/listen/stream_log.h"
@@ -26,8 +26,6 @@ struct Options {
   bool poses = false;
   bool no_images = false;
 };
-
-volatile std::sig_atomic_t stop_wanted = 0;
 
 // A line a second: where it is, how well, and what the way has cost.
 class Screen {
@@ -86,8 +84,7 @@ int listen_to(const Options& options) {
   if (!options.record.empty()) listener.record(options.record);
   StreamLog log(options.out);
   Screen screen;
-  std::signal(SIGINT, [](int) { stop_wanted = 1; });
-  std::signal(SIGTERM, [](int) { stop_wanted = 1; });
+  stop_by_signals();
   const TimeNs begin = bsp::now();
   const TimeNs end = options.duration_s > 0 ? begin + from_seconds(options.duration_s) : INT64_MAX;
   bool told_silent = false;

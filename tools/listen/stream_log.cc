@@ -6,7 +6,6 @@
 #include <nlohmann/json.hpp>
 #include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
-#include <sstream>
 
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/trajectory.h"
@@ -37,12 +36,7 @@ void StreamLog::add(const Datagram& datagram) {
     return;
   }
   if (header.kind == Kind::kClock) return;  // an answer has no sequence
-  if (has_sequence_) {
-    const auto step = static_cast<int32_t>(header.sequence - sequence_);
-    if (step > 1) totals_.lost += static_cast<size_t>(step - 1);
-  }
-  has_sequence_ = true;
-  sequence_ = header.sequence;
+  totals_.lost += gaps_.next(header.sequence);
   const auto kind = static_cast<size_t>(header.kind);
   if (kind < totals_.of_kind.size()) ++totals_.of_kind[kind];
   if (!take(header, datagram.bytes + stream::kHeaderBytes)) ++totals_.damaged;
@@ -94,7 +88,7 @@ bool StreamLog::take(const stream::Header& header, const uint8_t* payload) {
       return true;
     }
     case Kind::kCounters:
-      take_counters(header, payload);
+      read_counters(header, payload, counters_);
       return true;
     default:
       return true;
@@ -108,28 +102,16 @@ void StreamLog::take_pose(const stream::PoseMessage& pose) {
   poses_.push_back(pose);
 }
 
-void StreamLog::take_counters(const stream::Header& header, const uint8_t* payload) {
-  std::istringstream lines(std::string(reinterpret_cast<const char*>(payload), header.size));
-  std::string name;
-  uint64_t value = 0;
-  while (lines >> name >> value) counters_[name] = value;
-}
-
-// Parts of another image end the one before: what is missing of it was lost.
 void StreamLog::take_thumbnail(const stream::ThumbnailMessage& part) {
-  if (part.t != image_.t || part.width != image_.width || part.height != image_.height) {
-    image_ = {part.t, part.width, part.height, {}, 0};
-    image_.pixels.resize(size_t{part.width} * part.height);
-  }
-  std::copy_n(part.pixels, part.count, image_.pixels.begin() + part.offset);
-  image_.filled += part.count;
-  if (image_.filled != image_.pixels.size() || image_.pixels.empty()) return;
+  const ImageParts::Image* const image = images_.add(part);
+  if (image == nullptr) return;
   ++thumbnails_;
   if (folder_.empty()) return;
   const std::filesystem::path folder = std::filesystem::path(folder_) / "thumbnails";
   std::filesystem::create_directories(folder);
-  const cv::Mat pixels(image_.height, image_.width, CV_8U, image_.pixels.data());
-  cv::imwrite((folder / (std::to_string(image_.t) + ".png")).string(), pixels);
+  const cv::Mat pixels(image->height, image->width, CV_8U,
+                       const_cast<uint8_t*>(image->pixels.data()));
+  cv::imwrite((folder / (std::to_string(image->t) + ".png")).string(), pixels);
 }
 
 void StreamLog::write(const std::string& source, const ClockOffset& clock) const {

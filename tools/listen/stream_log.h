@@ -15,6 +15,7 @@
 
 #include "modules/stream/stream.h"
 #include "tools/listen/listener.h"
+#include "tools/listen/stream_parts.h"
 
 namespace pirvs::tools {
 
@@ -45,22 +46,14 @@ class StreamLog {
     HealthState state;
     std::string why;
   };
-  struct Image {
-    TimeNs t = 0;
-    int width = 0, height = 0;
-    std::vector<uint8_t> pixels;
-    size_t filled = 0;
-  };
 
   bool take(const stream::Header& header, const uint8_t* payload);
   void take_pose(const stream::PoseMessage& pose);
-  void take_counters(const stream::Header& header, const uint8_t* payload);
   void take_thumbnail(const stream::ThumbnailMessage& part);
 
   std::string folder_;
   StreamTotals totals_;
-  bool has_sequence_ = false;
-  uint32_t sequence_ = 0;
+  SequenceGaps gaps_;
   std::vector<stream::PoseMessage> poses_;
   std::vector<Health> health_;
   std::vector<stream::SyncInMessage> sync_in_;
@@ -68,7 +61,7 @@ class StreamLog {
   std::vector<FusedPose> fused_;
   std::map<uint32_t, stream::Point> points_;  // newest place of each
   std::map<std::string, uint64_t> counters_;
-  Image image_;
+  ImageParts images_;
   size_t thumbnails_ = 0;
   double path_m_ = 0;
 };

@@ -1,10 +1,10 @@
 // `pirvs ros2 [FROM]`: what a device tells over the network, for programs of ROS 2.
-#include <csignal>
 #include <cstdio>
 #include <memory>
 
 #include "bsp/api/clock.h"
 #include "tools/cli/command.h"
+#include "tools/cli/stop.h"
 #include "tools/dataset/input_error.h"
 #include "tools/listen/listener.h"
 #include "tools/ros2/topics.h"
@@ -20,8 +20,6 @@ struct Options {
   double duration_s = 0;
   bool device_time = false;
 };
-
-volatile std::sig_atomic_t stop_wanted = 0;
 
 // From the device's clock to that of this machine's day, which is what ROS stamps mean.
 TimeNs offset_of(const Options& options, const Listener& listener) {
@@ -62,8 +60,7 @@ bool hand_on(const Datagram& datagram, TimeNs offset_ns, Topics& topics) {
 int publish(const Options& options) {
   Listener listener(options.from, wanted_kinds(options.topics));
   Topics topics(options.topics);
-  std::signal(SIGINT, [](int) { stop_wanted = 1; });
-  std::signal(SIGTERM, [](int) { stop_wanted = 1; });
+  stop_by_signals();
   const TimeNs begin = bsp::now();
   const TimeNs end = options.duration_s > 0 ? begin + from_seconds(options.duration_s) : INT64_MAX;
   size_t poses = 0;

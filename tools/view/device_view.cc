@@ -5,12 +5,12 @@
 #include <memory>
 #include <opencv2/core.hpp>
 #include <optional>
-#include <sstream>
 
 #include "bsp/api/clock.h"
 #include "bsp/linux/clock.h"
 #include "tools/dataset/input_error.h"
 #include "tools/listen/listener.h"
+#include "tools/listen/stream_parts.h"
 #include "tools/view/image_encoder.h"
 #include "tools/view/serial_commands.h"
 #include "tools/view/system_load.h"
@@ -44,7 +44,6 @@ class Session {
   bool take(const Datagram& datagram, const Listener& listener);
 
  private:
-  void count(const stream::Header& header);
   void take_pose(const stream::PoseMessage& pose, const Listener& listener, TimeNs arrival);
   void take_points(const stream::PointsMessage& points);
   void take_counters(const stream::Header& header, const uint8_t* payload);
@@ -52,23 +51,11 @@ class Session {
 
   ViewScene& scene_;
   TimeNs t_ = 0;
-  bool has_sequence_ = false;
-  uint32_t sequence_ = 0;
+  SequenceGaps gaps_;
   uint64_t lost_ = 0, damaged_ = 0;
   std::map<std::string, uint64_t> counters_;
-  TimeNs image_t_ = 0;
-  cv::Mat image_;
-  size_t filled_ = 0;
+  ImageParts images_;
 };
-
-void Session::count(const stream::Header& header) {
-  if (has_sequence_) {
-    const auto step = static_cast<int32_t>(header.sequence - sequence_);
-    if (step > 1) lost_ += static_cast<uint64_t>(step - 1);
-  }
-  has_sequence_ = true;
-  sequence_ = header.sequence;
-}
 
 bool Session::take(const Datagram& datagram, const Listener& listener) {
   stream::Header header;
@@ -77,7 +64,7 @@ bool Session::take(const Datagram& datagram, const Listener& listener) {
     return true;
   }
   if (header.kind == Kind::kClock) return true;
-  count(header);
+  lost_ += gaps_.next(header.sequence);
   const uint8_t* const payload = datagram.bytes + stream::kHeaderBytes;
   stream::PoseMessage pose;
   stream::HealthMessage health;
@@ -135,10 +122,7 @@ void Session::take_points(const stream::PointsMessage& points) {
 
 // Shown when all parts have come; what was lost of them stays as it was.
 void Session::take_counters(const stream::Header& header, const uint8_t* payload) {
-  std::istringstream lines(std::string(reinterpret_cast<const char*>(payload), header.size));
-  std::string name;
-  uint64_t value = 0;
-  while (lines >> name >> value) counters_[name] = value;
+  read_counters(header, payload, counters_);
   if (header.part + 1 < header.parts) return;
   counters_["view.datagrams_lost"] = lost_;
   counters_["view.datagrams_damaged"] = damaged_;
@@ -146,17 +130,11 @@ void Session::take_counters(const stream::Header& header, const uint8_t* payload
 }
 
 void Session::take_thumbnail(const stream::ThumbnailMessage& part) {
-  if (part.width == 0 || part.height == 0) return;
-  if (part.t != image_t_ || part.width != image_.cols || part.height != image_.rows) {
-    image_t_ = part.t;
-    image_ = cv::Mat::zeros(part.height, part.width, CV_8UC1);
-    filled_ = 0;
-  }
-  if (size_t{part.offset} + part.count > image_.total()) return;
-  std::copy_n(part.pixels, part.count, image_.data + part.offset);
-  filled_ += part.count;
-  if (filled_ != image_.total()) return;
-  scene_.image({part.t, 0, image_.cols, image_.rows, view_jpeg(image_), {}});
+  const ImageParts::Image* const image = images_.add(part);
+  if (image == nullptr) return;
+  const cv::Mat pixels(image->height, image->width, CV_8UC1,
+                       const_cast<uint8_t*>(image->pixels.data()));
+  scene_.image({image->t, 0, image->width, image->height, view_jpeg(pixels), {}});
 }
 
 // A recorded stream comes as it came.

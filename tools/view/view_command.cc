@@ -1,5 +1,4 @@
 // `pirvs view [SOURCE]`: a page that shows a device, a recording as it runs, or a finished run.
-#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -8,6 +7,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/linux/clock.h"
 #include "tools/cli/command.h"
+#include "tools/cli/stop.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording_options.h"
 #include "tools/run/run_viewed.h"
@@ -32,14 +32,6 @@ struct Options {
   bool loop = false, once = false;
   std::string save;
 };
-
-volatile std::sig_atomic_t stop_wanted = 0;
-
-void obey_signals() {
-  for (const int signal : {SIGINT, SIGTERM}) {
-    std::signal(signal, [](int number) { stop_wanted = number; });
-  }
-}
 
 void wait_for_end() {
   constexpr TimeNs kLook_ns = 100'000'000;
@@ -77,7 +69,7 @@ int view_recording(View& view, const Options& options) {
     status = run_viewed(view, options.source, options.run);
     if (status >= kExitSignal) return kExitDone;
   } while (options.loop);
-  obey_signals();
+  stop_by_signals();
   if (!options.once) wait_for_end();
   return status;
 }
@@ -95,7 +87,7 @@ int save(const Options& options) {
 
 int view(const Options& options) {
   if (!options.save.empty()) return save(options);
-  obey_signals();
+  stop_by_signals();
   View view(options.view);
   if (is_device(options.source) || is_stream(options.source)) {
     view_device(view, device_of(options), stop_wanted);
