@@ -12,6 +12,8 @@
 #include "tools/dataset/input_error.h"
 #include "tools/map/map_files.h"
 #include "tools/map/merge.h"
+#include "tools/map/point_files.h"
+#include "tools/map/pool_items.h"
 
 namespace pirvs::tools {
 namespace {
@@ -20,13 +22,6 @@ std::unique_ptr<Map> read(const std::string& path) {
   auto map = std::make_unique<Map>();
   read_map_file(path, [&](const MapSource& source) { return load_map(source, *map); });
   return map;
-}
-
-template <class Pool, class Visit>
-void for_each(Pool& pool, Visit&& visit) {
-  for (size_t slot = 0; slot < pool.capacity(); ++slot) {
-    if (auto* item = pool.at(slot)) visit(pool.handle(slot), *item);
-  }
 }
 
 // ---- info --------------------------------------------------------------------------------------
@@ -67,34 +62,16 @@ int info(const std::string& path) {
 
 // ---- export ------------------------------------------------------------------------------------
 
-std::string point_lines(const Map& map) {
-  std::string out;
-  for_each(map.landmarks, [&](LandmarkId, const Landmark& point) {
-    char line[128];
-    std::snprintf(line, sizeof line, "%.4f %.4f %.4f %.4f %u\n", point.p_W.x(), point.p_W.y(),
-                  point.p_W.z(), std::sqrt(point.cov.trace() / 3), unsigned{point.views});
-    out += line;
-  });
-  return out;
-}
-
 int export_points(const std::string& path, const std::string& to) {
   const std::unique_ptr<const Map> map = read(path);
-  const std::string count = std::to_string(map->landmarks.size());
-  const std::string ply =
-      "ply\nformat ascii 1.0\nelement vertex " + count +
-      "\nproperty float x\nproperty float y\nproperty float z\nproperty float sigma\n"
-      "property uint views\nend_header\n";
-  const std::string pcd =
-      "# .PCD v0.7\nVERSION 0.7\nFIELDS x y z sigma views\nSIZE 4 4 4 4 4\nTYPE F F F F U\n"
-      "COUNT 1 1 1 1 1\nWIDTH " +
-      count + "\nHEIGHT 1\nVIEWPOINT 0 0 0 1 0 0 0\nPOINTS " + count + "\nDATA ascii\n";
+  std::vector<Landmark> points;
+  for_each(map->landmarks, [&](LandmarkId, const Landmark& point) { points.push_back(point); });
   const bool is_pcd = to.size() > 4 && to.compare(to.size() - 4, 4, ".pcd") == 0;
   std::ofstream file(to);
-  file << (is_pcd ? pcd : ply) << point_lines(*map);
+  file << (is_pcd ? points_pcd(points) : points_ply(points));
   file.close();
   if (!file) throw InputError("cannot write the points", to, "check space and permissions");
-  std::printf("%s points in %s\n", count.c_str(), to.c_str());
+  std::printf("%zu points in %s\n", points.size(), to.c_str());
   return kExitDone;
 }
 

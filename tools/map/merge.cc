@@ -12,6 +12,7 @@
 #include "modules/map/map_error.h"
 #include "modules/map/nodes.h"
 #include "tools/dataset/input_error.h"
+#include "tools/map/pool_items.h"
 #include "tools/sim/random.h"
 
 namespace pirvs::tools {
@@ -27,26 +28,19 @@ struct Pair {
   uint16_t a, b;  // slots
 };
 
-template <class Visit>
-void for_each_point(const Map& map, Visit&& visit) {
-  for (size_t slot = 0; slot < map.landmarks.capacity(); ++slot) {
-    if (const Landmark* point = map.landmarks.at(slot)) visit(static_cast<uint16_t>(slot), *point);
-  }
-}
-
 std::vector<Pair> match(const Map& a, const Map& b) {
   std::vector<Descriptor> of_a;
   std::vector<uint16_t> slots;
-  for_each_point(a, [&](uint16_t slot, const Landmark& point) {
+  for_each(a.landmarks, [&](LandmarkId id, const Landmark& point) {
     of_a.push_back(point.descriptor);
-    slots.push_back(slot);
+    slots.push_back(id.slot);
   });
   std::vector<Pair> out;
-  for_each_point(b, [&](uint16_t slot, const Landmark& point) {
+  for_each(b.landmarks, [&](LandmarkId id, const Landmark& point) {
     int best = -1, bits = kHammingNone, second = kHammingNone;
     hamming_best(point.descriptor, of_a.data(), int(of_a.size()), best, bits, second);
     if (best >= 0 && bits <= kBits_max && bits < kRatio * second) {
-      out.push_back({slots[size_t(best)], slot});
+      out.push_back({slots[size_t(best)], id.slot});
     }
   });
   return out;
@@ -112,9 +106,7 @@ void fuse(const Landmark& other, Landmark& point) {
 template <class T, size_t N, class Worth>
 std::vector<uint16_t> by_worth(const Pool<T, N>& pool, Worth&& worth) {
   std::vector<uint16_t> out;
-  for (size_t slot = 0; slot < pool.capacity(); ++slot) {
-    if (pool.at(slot) != nullptr) out.push_back(static_cast<uint16_t>(slot));
-  }
+  for_each(pool, [&](Handle<T> id, const T&) { out.push_back(id.slot); });
   std::stable_sort(out.begin(), out.end(),
                    [&](uint16_t x, uint16_t y) { return worth(*pool.at(x)) > worth(*pool.at(y)); });
   return out;
@@ -127,11 +119,9 @@ struct Numbers {
 
 Numbers numbers_of(const Map& map) {
   Numbers out;
-  for (size_t slot = 0; slot < map.keyframes.capacity(); ++slot) {
-    const Keyframe* keyframe = map.keyframes.at(slot);
-    if (keyframe == nullptr || keyframe->sequence < out.sequence) continue;
-    out = {keyframe->sequence, keyframe->epoch};
-  }
+  for_each(map.keyframes, [&](KeyframeId, const Keyframe& keyframe) {
+    if (keyframe.sequence >= out.sequence) out = {keyframe.sequence, keyframe.epoch};
+  });
   return out;
 }
 

@@ -12,6 +12,7 @@
 
 #include "core/math/so3.h"
 #include "tools/dataset/input_error.h"
+#include "tools/map/point_files.h"
 #include "tools/run/verdict.h"
 
 namespace pirvs::tools {
@@ -248,19 +249,6 @@ std::string timing_csv(const RunLog& log) {
   return out;
 }
 
-std::string map_ply(const RunLog& log) {
-  std::string out = "ply\nformat ascii 1.0\nelement vertex " + std::to_string(log.points.size()) +
-                    "\nproperty float x\nproperty float y\nproperty float z\n"
-                    "property float sigma_m\nproperty ushort views\nend_header\n";
-  for (const Landmark& point : log.points) {
-    char line[128];
-    std::snprintf(line, sizeof line, "%.4f %.4f %.4f %.4f %u\n", point.p_W.x(), point.p_W.y(),
-                  point.p_W.z(), std::sqrt(point.cov.trace()), unsigned(point.views));
-    out += line;
-  }
-  return out;
-}
-
 }  // namespace
 
 OutputFolder::OutputFolder(const std::string& folder, bool force) : folder_(folder) {
@@ -322,7 +310,7 @@ void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& re
     out.write("fused.csv", fused_csv(result.fused));
   }
   out.write("keyframes.tum", keyframes_tum(log));
-  out.write("map.ply", map_ply(log));
+  out.write("map.ply", points_ply(log.points));
   out.write("timing.csv", timing_csv(log));
   out.write("summary.json", summary(info, recording, log, result, player_rejected));
 }
