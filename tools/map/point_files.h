@@ -1,5 +1,5 @@
-// What    Points of a map as other programs read them: x y z in W, sigma_m (root of the covariance's
-//         trace), views.
+// What    Points of a map as other programs read them: x y z in W; sigma_m, the root of the
+//         covariance's trace; views.
 // Units   m.
 // Source  PLY (Turk, 1994), ASCII; the Point Cloud Library's PCD, version 0.7, ASCII.
 #pragma once
