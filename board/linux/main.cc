@@ -90,8 +90,8 @@ void load_map() {
 void on_answer(void*, const Answer& answer) {
   if (answer.ticket + 1 == map_ticket && answer.status != Status::kOk) {
     say(settings.map.text, answer.status == Status::kNotFound
-                               ? "no such map yet: it runs without"
-                               : "not a map of this version, or damaged: it runs without");
+                               ? "no such map yet; starting without one"
+                               : "not a map of this version, or damaged; starting without one");
   }
   recordings.answer(answer);
   serial.answer(answer);

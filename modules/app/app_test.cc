@@ -41,7 +41,7 @@ class Still {
       scene_[c].resize(kWidth * kHeight);
       for (int y = 0; y < kHeight; ++y) {
         for (int x = 0; x < kWidth; ++x) {
-          // A step between two planes: one alone could be any wallpaper (Places::found_alone).
+          // Two planes: a map of one alone is not recognised (Places::found_is_planar).
           const int disparity = y < kHeight / 2 ? kDisparity : 2 * kDisparity;
           const int column = (x + c * disparity) / 4, row = y / 4;
           scene_[c][size_t(y * kWidth + x)] =

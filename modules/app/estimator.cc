@@ -93,7 +93,7 @@ Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad, double si
   if (sigma_m > 0 && tracker_.has_loaded_map()) {
     tracker_.continue_at(t, T * now, sigma_m);
     for (Frontend& frontend : frontend_) frontend.reset();
-    tell_health(t, "told where in the map it is");
+    tell_health(t, "pose hint in the loaded map");
     return Status::kOk;
   }
   mapper_.move_world(T);

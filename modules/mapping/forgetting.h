@@ -26,8 +26,8 @@ size_t least_useful(const WorkingMap& map, size_t window);
 // those that none of the last `window` keyframes sees; of equals, those not seen for longest.
 uint32_t forget_points(WorkingMap& map, size_t window);
 
-// A map that was loaded stays as it is: nothing of it leaves any more, but what must make room now
-// for a run of its own beside it. While no run has begun.
+// Marks all keyframes and points of a loaded map to be kept for good, after removing the least
+// useful ones until a quarter of each pool is free for the run. Call it before a run begins.
 void keep_all(WorkingMap& map);
 
 // A point needs two views, and once its first keyframes are past, three.

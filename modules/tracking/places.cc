@@ -52,7 +52,7 @@ void Places::refine(const Associator& seen) {
   found_.T_WB = {so3_exp(Vec3(0, 0, turn_rad)) * found_.T_WB.R, T_WB.p};
 }
 
-bool Places::found_alone(const Associator& seen) const {
+bool Places::found_is_planar(const Associator& seen) const {
   constexpr double kThin = 0.03;  // of the distance; a plane's points have 0.013, a hall's 0.05 on
   const double count = static_cast<double>(found_.matches.size());
   Vec3 mean = Vec3::Zero();
@@ -66,7 +66,7 @@ bool Places::found_alone(const Associator& seen) const {
   }
   // The harmonic sum of the variances along the axes is that of the thinnest, or a little less.
   const double thickness_m = 1 / std::sqrt(scatter.inverse().trace());
-  return thickness_m > kThin * (mean - found_.T_WB.p).norm();
+  return thickness_m <= kThin * (mean - found_.T_WB.p).norm();
 }
 
 // The pose from what was recognised, left in locator_.

@@ -46,9 +46,9 @@ class Places {
   // holds.
   LoopDecision test_loop(TimeNs t, const SE3& T_WB, const MapError& error, const Associator& seen);
   const Recognition& found() const { return found_; }
-  // What was found is more than one plane, as a wallpaper is, or a poster that hangs twice: enough
-  // where nothing else says where the body is.
-  bool found_alone(const Associator& seen) const;
+  // The matched points of found() lie in one plane. Wallpaper and posters may hang in several
+  // places: without a prior pose, such a match does not prove the place.
+  bool found_is_planar(const Associator& seen) const;
 
  private:
   bool solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen);

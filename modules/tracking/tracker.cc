@@ -370,7 +370,7 @@ void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
   places_.hurry();
   place_known_ = associator_.map().points() == 0;
   if (!place_known_ && recognise(t, PlaceRule::kSame, starter.state().T_WB.R) &&
-      places_.found_alone(associator_)) {
+      !places_.found_is_planar(associator_)) {
     starter.move(places_.found().T_WB * starter.state().T_WB.inverse());
     error = estimate_.map_error().cov + recognised_error();
     place_known_ = true;

@@ -134,7 +134,8 @@ class Tracker {
   // `epoch`: a start looks for its place there. Before any start.
   void continue_map(uint32_t sequence, uint16_t epoch);
   bool has_loaded_map() const { return epochs_loaded_ != 0; }
-  // Somebody knows about where in that map the body is: what runs begins anew there.
+  // A hint: the body is near T_WB in the loaded map. Tracking starts again from there, with an
+  // uncertainty of sigma_m.
   void continue_at(TimeNs t, const SE3& T_WB, double sigma_m);
 
   uint32_t sent() const { return keyframer_.sent(); }  // keyframes so far, the newest's sequence
@@ -213,10 +214,10 @@ class Tracker {
   TimeNs last_frame_t_ = 0;
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
   uint16_t epochs_loaded_ = 0;       // those of the map that was loaded
-  uint16_t pose_epoch_ = 0;          // of the pose: until mapping has joined it, that of before
-  bool place_known_ = true;          // this epoch is the map's first, or was joined to it
-  TimeNs light_since_ = 0;  // images are usable again, the place is not recognised yet; 0: not so
-  BodyState begin_;         // as the last start left it
+  uint16_t pose_epoch_ = 0;  // of the published pose; follows epoch_ once mapping has joined
+  bool place_known_ = true;  // this epoch is the map's first, or was joined to it
+  TimeNs light_since_ = 0;   // images are usable again, the place is not recognised yet; 0: not so
+  BodyState begin_;          // as the last start left it
   Mat6 begin_error_ = Mat6::Zero();
   bool located_ = false;     // matches have been enough since the start
   bool searching_ = false;   // after dead reckoning: what matches has to agree before it counts

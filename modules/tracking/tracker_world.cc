@@ -38,7 +38,7 @@ void Tracker::continue_at(TimeNs t, const SE3& T_WB, double sigma_m) {
 // A start that knew no place looks for the older map; mapping then carries over what it made since.
 bool Tracker::try_join(TimeNs t) {
   const BodyState& state = estimate_.state();
-  if (!recognise(t, PlaceRule::kOther, state.T_WB.R) || !places_.found_alone(associator_)) {
+  if (!recognise(t, PlaceRule::kOther, state.T_WB.R) || places_.found_is_planar(associator_)) {
     return false;
   }
   KeyframeMessage* message =
