@@ -66,7 +66,7 @@ bool Places::found_is_planar(const Associator& seen) const {
   }
   // The harmonic sum of the variances along the axes is that of the thinnest, or a little less.
   const double thickness_m = 1 / std::sqrt(scatter.inverse().trace());
-  return thickness_m <= kThin * (mean - found_.T_WB.p).norm();
+  return !(thickness_m > kThin * (mean - found_.T_WB.p).norm());
 }
 
 // The pose from what was recognised, left in locator_.
