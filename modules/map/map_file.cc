@@ -1,5 +1,6 @@
 #include "modules/map/map_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <new>
@@ -64,12 +65,24 @@ class Writer {
   uint8_t block_[kBlock];
 };
 
+// Asks the source for whole blocks: each may be a system call.
 class Reader {
  public:
   explicit Reader(const MapSource& source) : source_(source) {}
+  // So many more bytes will follow.
+  void expect(uint64_t bytes) { ahead_ += bytes; }
   void bytes(void* data, size_t size) {
-    if (status_ == Status::kOk) status_ = source_.read(source_.context, data, size);
-    if (status_ != Status::kOk) std::memset(data, 0, size);
+    for (size_t done = 0; done < size;) {
+      if (begin_ == end_) fill();
+      if (status_ != Status::kOk) {
+        std::memset(data, 0, size);
+        break;
+      }
+      const size_t part = std::min(size - done, end_ - begin_);
+      std::memcpy(static_cast<uint8_t*>(data) + done, block_ + begin_, part);
+      begin_ += part;
+      done += part;
+    }
     crc_.add(data, size);
   }
   template <class T>
@@ -92,10 +105,23 @@ class Reader {
   }
 
  private:
+  void fill() {
+    begin_ = end_ = 0;
+    const auto part = static_cast<size_t>(std::min<uint64_t>(kBlock, ahead_));
+    if (part == 0 && status_ == Status::kOk) status_ = Status::kBadData;
+    if (status_ == Status::kOk) status_ = source_.read(source_.context, block_, part);
+    if (status_ != Status::kOk) return;
+    end_ = part;
+    ahead_ -= part;
+  }
+
   MapSource source_;
   Crc32 crc_;
   Status status_ = Status::kOk;
   bool sane_ = true;
+  uint64_t ahead_ = sizeof(MapFileHeader);  // that the source still has for us
+  size_t begin_ = 0, end_ = 0;              // in the block
+  uint8_t block_[kBlock];
 };
 
 template <class Matrix>
@@ -303,9 +329,10 @@ Status verify_map(const MapSource& source) {
   const MapFileHeader header = in.get<MapFileHeader>();
   PIRVS_TRY(in.status());
   PIRVS_TRY(check_header(header));
-  uint8_t block[kBlock];
+  in.expect(header.payload_bytes + sizeof(uint32_t));
+  uint8_t block[kBlock / 16];
   for (uint64_t left = header.payload_bytes; left > 0;) {
-    const size_t part = left < kBlock ? static_cast<size_t>(left) : kBlock;
+    const size_t part = static_cast<size_t>(std::min<uint64_t>(left, sizeof block));
     in.bytes(block, part);
     PIRVS_TRY(in.status());
     left -= part;
@@ -321,6 +348,7 @@ Status load_map(const MapSource& source, Map& map) {
   const MapFileHeader header = in.get<MapFileHeader>();
   Status status = in.status();
   if (status == Status::kOk) status = check_header(header);
+  in.expect(header.payload_bytes + sizeof(uint32_t));
   if (status == Status::kOk) status = get_payload(in, header, map);
   const uint32_t sum = in.crc();
   if (status == Status::kOk && in.get<uint32_t>() != sum) status = Status::kBadData;

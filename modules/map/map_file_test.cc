@@ -17,6 +17,7 @@ using testing::Random;
 struct File {
   std::vector<uint8_t> bytes;
   size_t at = 0;
+  size_t reads = 0;
 
   MapSink sink() {
     return {this, [](void* file, const void* data, size_t size) {
@@ -30,6 +31,7 @@ struct File {
     at = 0;
     return {this, [](void* file, void* data, size_t size) {
               File& self = *static_cast<File*>(file);
+              ++self.reads;
               if (self.bytes.size() - self.at < size) return Status::kBadData;
               std::memcpy(data, self.bytes.data() + self.at, size);
               self.at += size;
@@ -111,6 +113,18 @@ TEST(map_file, brings_back_points_keyframes_and_who_sees_what) {
   File second;
   ASSERT_EQ(save_map(*again, second.sink(), index), Status::kOk);
   EXPECT_TRUE(file.bytes == second.bytes) << "saved again, the same bytes";
+}
+
+TEST(map_file, is_read_in_whole_blocks) {
+  File file;
+  ASSERT_EQ(save_map(*some_map(), file.sink(), index), Status::kOk);
+  const size_t blocks = file.bytes.size() / 4096 + 2;  // the header is a block of its own
+  ASSERT_EQ(verify_map(file.source()), Status::kOk);
+  EXPECT_LE(file.reads, blocks);
+  file.reads = 0;
+  auto map = std::make_unique<Map>();
+  ASSERT_EQ(load_map(file.source(), *map), Status::kOk);
+  EXPECT_LE(file.reads, blocks);
 }
 
 TEST(map_file, refuses_a_file_cut_off_anywhere) {
