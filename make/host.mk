@@ -76,7 +76,8 @@ TOOLS := -isystem /usr/include/opencv4
 IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lceres \
+  -lglog -lapriltag -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 

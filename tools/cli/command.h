@@ -30,5 +30,6 @@ extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;
 extern const Command kRos2Command;
+extern const Command kCalibCommand;
 
 }  // namespace pirvs::tools

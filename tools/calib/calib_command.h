@@ -1,0 +1,14 @@
+// What    The commands below `pirvs calib`, one file each.
+// In, Out as tools/cli/command.h.
+// Errors  likewise.
+#pragma once
+
+#include "tools/cli/command.h"
+
+namespace pirvs::tools {
+
+extern const Command kCalibCamerasCommand;
+extern const Command kCalibImuCameraCommand;
+extern const Command kCalibNoiseCommand;
+
+}  // namespace pirvs::tools

@@ -1,0 +1,77 @@
+#include "tools/calib/corner_input.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "tools/calib/lens.h"
+#include "tools/calib/result_files.h"
+
+namespace pirvs::tools {
+namespace {
+
+void print_lens(const CameraResult& result, int c) {
+  const Lens lens = lens_of(result.rig.camera[c]);
+  for (int i = 0; i < kLensSize; ++i) {
+    const int k = 8 * c + i;
+    std::printf("cam%d %s %13.6f +- %.6f\n", c, kLensNames[i], lens[i],
+                std::sqrt(result.adjustment.covariance(k, k)));
+  }
+  std::printf("cam%d reprojection %.3f px, on shots left out %.3f px\n", c,
+              result.adjustment.rms_px[c], result.held_out.within_px[c]);
+}
+
+}  // namespace
+
+void declare_corners(CLI::App& app, CornerOptions& options) {
+  app.add_option("--corners", options.files, "tables of corners, one a camera: cam0.csv,cam1.csv")
+      ->delimiter(',')
+      ->expected(1, 2)
+      ->required();
+  app.add_option("--target", options.target, "the board's yaml, Kalibr's or `calib target`'s")
+      ->required();
+  app.add_option("--size", options.size, "width and height of the images, px")
+      ->expected(2)
+      ->required()
+      ->check(CLI::Range(16, 65536));
+  app.add_option("--model", options.model, "radtan or equidistant; else the better one")
+      ->check(CLI::IsMember({"radtan", "equidistant"}));
+}
+
+CornerInput read_corner_input(const CornerOptions& options) {
+  CornerInput out;
+  out.target = read_target(options.target);
+  out.how.size = {options.size[0], options.size[1]};
+  if (options.model == "radtan") out.how.model = CameraModel::kPinholeRadtan;
+  if (options.model == "equidistant") out.how.model = CameraModel::kKannalaBrandt;
+  out.cameras = int(options.files.size());
+  std::vector<View> views[2];
+  for (size_t c = 0; c < options.files.size(); ++c) {
+    std::vector<Count> rejected;
+    views[c] = read_views(options.files[c], out.target, out.how.size, rejected);
+    for (const Count& count : rejected) {
+      if (count.value == 0) continue;
+      std::fprintf(stderr, "pirvs: calib: %s: %zu %s\n", options.files[c].c_str(), count.value,
+                   count.name.c_str());
+    }
+  }
+  out.shots = pair_views(views[0], views[1]);
+  return out;
+}
+
+void print_cameras(const CameraResult& result) {
+  const Adjustment& a = result.adjustment;
+  std::printf("model %s, %zu shots of %zu, %zu corners, %zu outliers, corner noise %.3f px\n",
+              model_name(result.rig.camera[0].model), result.used.size(), result.all.size(),
+              a.corners[0] + a.corners[1], a.outliers, a.sigma_px);
+  if (result.other_model_px > 0) {
+    std::printf("the other model: %.3f px on shots left out\n", result.other_model_px);
+  }
+  for (int c = 0; c < result.rig.cameras; ++c) print_lens(result, c);
+  if (result.rig.cameras < 2) return;
+  const Vec3 p = result.rig.T_C1C0.p, unit = p.normalized();
+  const double variance = unit.dot(a.covariance.block<3, 3>(19, 19) * unit);
+  std::printf("baseline %.3f mm +- %.3f, across cameras %.3f px on shots left out\n",
+              1e3 * p.norm(), 1e3 * std::sqrt(variance), result.held_out.across_px);
+}
+
+}  // namespace pirvs::tools

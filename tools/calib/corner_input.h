@@ -1,0 +1,34 @@
+// What    What the commands of `pirvs calib` share: where corners come from, the lines about
+//         cameras.
+// In      Options of the command line.
+// Out     Shots, board, what else `calibrate_cameras` asks for. Rejected corners are told on
+//         stderr.
+// Errors  InputError.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/calib/cameras.h"
+#include "tools/cli/command.h"
+
+namespace pirvs::tools {
+
+struct CornerOptions {
+  std::vector<std::string> files;
+  std::string target, model;
+  std::vector<int> size;
+};
+
+struct CornerInput {
+  Target target;
+  std::vector<Shot> shots;
+  int cameras = 1;
+  CameraOptions how;
+};
+
+void declare_corners(CLI::App& app, CornerOptions& options);
+CornerInput read_corner_input(const CornerOptions& options);
+void print_cameras(const CameraResult& result);
+
+}  // namespace pirvs::tools

@@ -1,0 +1,101 @@
+#include "tools/calib/views.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "tools/dataset/input_error.h"
+#include "tools/dataset/text_table.h"
+
+namespace pirvs::tools {
+namespace {
+
+// Sorts by id. An id that is there twice is a reflection or a second board: which one is ours
+// nobody knows, so all corners of that tag go.
+size_t drop_duplicates(View& view) {
+  std::sort(view.corners.begin(), view.corners.end(),
+            [](const Corner& a, const Corner& b) { return a.id < b.id; });
+  std::vector<int> twice;
+  for (size_t i = 1; i < view.corners.size(); ++i) {
+    if (view.corners[i].id == view.corners[i - 1].id) twice.push_back(view.corners[i].id / 4);
+  }
+  const size_t before = view.corners.size();
+  const auto bad = [&](const Corner& corner) {
+    return std::binary_search(twice.begin(), twice.end(), corner.id / 4);
+  };
+  view.corners.erase(std::remove_if(view.corners.begin(), view.corners.end(), bad),
+                     view.corners.end());
+  return before - view.corners.size();
+}
+
+TimeNs least_step(const std::vector<View>& views) {
+  TimeNs least = 1'000'000'000;
+  for (size_t i = 1; i < views.size(); ++i) least = std::min(least, views[i].t - views[i - 1].t);
+  return least;
+}
+
+}  // namespace
+
+std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
+                             std::vector<Count>& rejected) {
+  std::map<TimeNs, View> found;
+  size_t unknown = 0, outside = 0, doubled = 0, rows = 0;
+  TextTable table(path, "corners");
+  while (table.next()) {
+    const auto t = table.stamp();
+    const auto tag = table.number(1), k = table.number(2), x = table.number(3), y = table.number(4);
+    if (table.cut_off() && (!t || !y)) break;
+    if (!t || !tag || !k || !x || !y) {
+      table.fail("not a row of stamp, tag, corner, x, y",
+                 "write corners as docs/calibration.md says");
+    }
+    ++rows;
+    const bool on_board = *tag >= 0 && *tag < target.tags() && *k >= 0 && *k <= 3;
+    if (!on_board || *tag != std::floor(*tag) || *k != std::floor(*k)) {
+      ++unknown;
+      continue;
+    }
+    if (!(*x >= -0.5 && *y >= -0.5 && *x <= size.width - 0.5 && *y <= size.height - 0.5)) {
+      ++outside;
+      continue;
+    }
+    View& view = found[*t];
+    view.t = *t;
+    view.corners.push_back({4 * int(*tag) + int(*k), Vec2(*x, *y)});
+  }
+  if (rows == 0) throw InputError("no corners", path, "was the board in view?");
+  if (unknown > rows / 2) {
+    throw InputError("most tags are not on the board", path,
+                     "give the yaml of the board that was used");
+  }
+  if (outside > rows / 2) {
+    throw InputError("most corners are outside the image", path, "give the --size of the images");
+  }
+  std::vector<View> out;
+  for (auto& [t, view] : found) {
+    doubled += drop_duplicates(view);
+    if (!view.corners.empty()) out.push_back(std::move(view));
+  }
+  rejected.push_back({"corners with an unknown id", unknown});
+  rejected.push_back({"corners outside the image", outside});
+  rejected.push_back({"corners of tags seen twice", doubled});
+  return out;
+}
+
+std::vector<Shot> pair_views(const std::vector<View>& left, const std::vector<View>& right) {
+  const TimeNs near = least_step(left) / 2;
+  std::vector<Shot> out;
+  size_t r = 0;
+  for (const View& view : left) {
+    for (; r < right.size() && right[r].t < view.t - near; ++r) {
+      out.push_back({right[r].t, {View{}, right[r]}});
+    }
+    Shot shot{view.t, {view, View{}}};
+    if (r < right.size() && right[r].t < view.t + near) shot.view[1] = right[r++];
+    out.push_back(std::move(shot));
+  }
+  for (; r < right.size(); ++r) out.push_back({right[r].t, {View{}, right[r]}});
+  return out;
+}
+
+}  // namespace pirvs::tools
