@@ -89,8 +89,8 @@ SEQ ?= $(SIM)
 SIMULATED := $(if $(filter $(SIM),$(SEQ)),$(SIM).done)
 run: $(OUT)/pirvs $(SIMULATED) ## SLAM on a simulated recording, or SEQ=path to an ASL folder
 	@mkdir -p $(BUILD)/run
-	@echo "$(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS)"
-	@status=0; $(OUT)/pirvs run $(SEQ) --out $(BUILD)/run $(ARGS) || status=$$?; \
+	@echo "$(OUT)/pirvs run $(SEQ) --out $(BUILD)/run --force $(ARGS)"
+	@status=0; $(OUT)/pirvs run $(SEQ) --out $(BUILD)/run --force $(ARGS) || status=$$?; \
 	  [ ! -e $(BUILD)/run/report.html ] || echo "report: $(CURDIR)/$(BUILD)/run/report.html"; \
 	  exit $$status
 

@@ -4,11 +4,13 @@
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "tests/recordings.h"
 #include "tools/cli/command.h"
@@ -79,6 +81,34 @@ TEST(disk, when_it_is_full_one_line_says_so_and_nothing_is_half_written) {
     EXPECT_EQ(files_in(out), 1u) << "only what was there before";
     EXPECT_EQ(content(out + "/trajectory.tum"), "of an earlier run");
   }
+}
+
+TEST(disk, results_of_an_earlier_run_are_kept_unless_forced) {
+  const std::string out = scratch_folder("earlier");
+  replace(out + "/summary.json", "of an earlier run");
+  EXPECT_NE(error_of(sequence(), out).find("--force"), std::string::npos);
+  EXPECT_EQ(content(out + "/summary.json"), "of an earlier run");
+  (void)run_command(sequence(), out, {"--duration", "1.5", "--force"});
+  EXPECT_NE(content(out + "/summary.json"), "of an earlier run");
+}
+
+// As by Ctrl-C: what was run is written, a recording made of it is whole.
+TEST(disk, a_run_that_is_stopped_writes_what_it_has) {
+  const std::string out = scratch_folder("stopped"), record = scratch_folder("stopped_record");
+  std::thread by_hand([] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2500));
+    std::raise(SIGINT);
+  });
+  const int status = run_command(sequence(), out, {"--realtime", "--record", record});
+  by_hand.join();
+  std::signal(SIGINT, SIG_DFL);
+  EXPECT_EQ(status, 128 + SIGINT);
+  for (const char* file : {"trajectory.tum", "state.csv", "summary.json", "report.html"}) {
+    EXPECT_TRUE(fs::exists(out + "/" + file)) << file;
+  }
+  const tools::Recording whole = tools::open_recording(record, {});
+  EXPECT_GT(whole.frames.size(), 10u);
+  EXPECT_LT(whole.duration_s(), 5);
 }
 
 TEST(disk, where_nothing_can_be_written_the_run_does_not_begin) {

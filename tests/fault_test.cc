@@ -137,7 +137,7 @@ TEST(fault, a_live_imu_falls_silent) {
   ASSERT_NE(told, nullptr);
   EXPECT_EQ(told->state, HealthState::kLost) << "told before the IMU comes back";
   EXPECT_EQ(run.counter("starts"), 2u);
-  EXPECT_EQ(run.result.exit_status(), 0);
+  EXPECT_EQ(run.result.exit_status(), 0) << run.result.verdict;
 }
 
 // Twenty times as many faults of the drivers as a bus has on a bad day.

@@ -65,6 +65,7 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
     tools::Feed feed(recording, faults, {}, from_seconds(options.camera_latency_s));
     AppParams params;
     params.tracking.tracker.estimate_time = options.estimate_time ? 1 : 0;
+    params.tracking.wheels.estimate_scale = options.estimate_wheels ? 1 : 0;
     app.configure(recording.calibration, params, out.log.sinks());
     const bool live = options.playback == tools::Playback::kRealTime;
     if (!live) app.replay_inbox(feed.inbox());

@@ -44,7 +44,7 @@ struct ReplayOptions {
   tools::Playback playback = tools::Playback::kFast;
   int mapping_lag = -1;  // as --mapping-lag, -1: without
   double camera_latency_s = 0;
-  bool estimate_time = false;
+  bool estimate_time = false, estimate_wheels = false;
   std::string record = {};                       // a folder, as --record
   std::function<void(App&)> while_it_runs = {};  // on a thread of its own
 };

@@ -111,7 +111,7 @@ TEST(standstill_replay, a_flight_after_rest_before_an_object_is_tracked) {
   options.rest_s = 4;
   const Replay run = replay(made(options, "departs"));
   print("flight after rest before an object", run);
-  EXPECT_EQ(run.result.exit_status(), 0);
+  EXPECT_EQ(run.result.exit_status(), 0) << run.result.verdict;
   EXPECT_EQ(run.result.frames_lost, 0u);
   EXPECT_GT(share_at_rest(run, 1, 3.9), 0.98);
   EXPECT_EQ(share_at_rest(run, 5.5, 1e9), 0.0);

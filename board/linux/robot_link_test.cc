@@ -1,15 +1,13 @@
 // The link's wires: datagrams over loopback, and a pseudo terminal that may be pulled.
 #include "board/linux/robot_link.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
-#include <unistd.h>
 
 #include <memory>
 #include <string>
 #include <vector>
 
+#include "board/linux/testing_line_test.h"
 #include "bsp/api/clock.h"
 
 namespace pirvs::board {
@@ -25,12 +23,10 @@ class RobotLinkTest : public ::testing::Test {
     const Result<bsp::Socket> robot = bsp::datagram_open({});
     ASSERT_TRUE(robot.ok());
     robot_ = robot.value();
-    path_ = ::testing::TempDir() + "pirvs_link_tty_" + std::to_string(getpid());
   }
   void TearDown() override {
     link_.close();
     bsp::datagram_close(robot_);
-    unplug();
   }
 
   void open_udp() {
@@ -41,21 +37,9 @@ class RobotLinkTest : public ::testing::Test {
   }
   void open_serial() {
     LinkSettings settings;
-    ASSERT_EQ(read_text(path_, settings.serial), nullptr);
+    ASSERT_EQ(read_text(line_.path(), settings.serial), nullptr);
     settings.baud = 921'600;
     ASSERT_EQ(link_.open(settings, ImuNoise{}, *app_, now_of_test), nullptr);
-  }
-  void plug() {
-    host_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ASSERT_GE(host_, 0);
-    ASSERT_EQ(grantpt(host_), 0);
-    ASSERT_EQ(unlockpt(host_), 0);
-    ASSERT_EQ(symlink(ptsname(host_), path_.c_str()), 0);
-  }
-  void unplug() {
-    if (host_ >= 0) close(host_);
-    host_ = -1;
-    unlink(path_.c_str());
   }
   static TimeNs now_of_test() { return now_; }
   void poll_at(TimeNs t) {
@@ -80,9 +64,8 @@ class RobotLinkTest : public ::testing::Test {
       from_ = from;
       take(bytes, size, out);
     }
-    for (ssize_t got = 0; host_ >= 0 && (got = read(host_, bytes, sizeof bytes)) > 0;) {
-      take(bytes, static_cast<size_t>(got), out);
-    }
+    const std::string line = line_.heard();
+    take(reinterpret_cast<const uint8_t*>(line.data()), line.size(), out);
     return out;
   }
   void take(const uint8_t* bytes, size_t size, std::vector<Frame>& out) {
@@ -111,8 +94,7 @@ class RobotLinkTest : public ::testing::Test {
   RobotLink link_;
   bsp::Socket robot_;
   bsp::Endpoint from_;
-  std::string path_;
-  int host_ = -1;
+  TestingLine line_{"pirvs_link_tty_"};
   FrameParser parser_;
 };
 
@@ -178,7 +160,7 @@ TEST_F(RobotLinkTest, StrangersAreNotHeard) {
 }
 
 TEST_F(RobotLinkTest, ASerialLineThatIsNotReadLosesWholeFrames) {
-  plug();
+  line_.plug();
   open_serial();
   TimeNs t = 1'000 * kMilli;
   for (int i = 0; i < 2'000; ++i) {
@@ -214,11 +196,11 @@ TEST_F(RobotLinkTest, ALineThatComesAndGoesIsTakenUpAgain) {
     return out;
   };
   EXPECT_EQ(run(50), 0) << "it is not there yet";
-  plug();
+  line_.plug();
   EXPECT_GT(run(100), 70) << "half a second until it is looked for";
-  unplug();
+  line_.unplug();
   EXPECT_EQ(run(50), 0);
-  plug();
+  line_.plug();
   EXPECT_GT(run(100), 70);
 }
 

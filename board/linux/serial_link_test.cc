@@ -1,13 +1,12 @@
 #include "board/linux/serial_link.h"
 
-#include <fcntl.h>
 #include <gtest/gtest.h>
-#include <stdlib.h>
 #include <termios.h>
-#include <unistd.h>
 
 #include <string>
 #include <vector>
+
+#include "board/linux/testing_line_test.h"
 
 namespace pirvs::board {
 namespace {
@@ -18,8 +17,7 @@ constexpr TimeNs kMs = 1'000'000;
 class SerialLinkTest : public testing::Test {
  protected:
   void SetUp() override {
-    path_ = testing::TempDir() + "pirvs_tty_" + std::to_string(getpid());
-    plug();
+    line_.plug();
     SerialStack stack;
     stack.context = this;
     stack.command = [](void* context, const Command& command) -> Result<uint32_t> {
@@ -29,28 +27,13 @@ class SerialLinkTest : public testing::Test {
       return test.ticket_++;
     };
     stack.put_counters = [](void*, TextWriter& out) { out.put(" frames=3 imu_gap=1"); };
-    link_.configure(path_.c_str(), stack);
+    link_.configure(line_.path().c_str(), stack);
     poll();
   }
-  void TearDown() override {
-    link_.close();
-    unplug();
-  }
+  void TearDown() override { link_.close(); }
 
-  void plug() {
-    host_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK);
-    ASSERT_GE(host_, 0);
-    ASSERT_EQ(grantpt(host_), 0);
-    ASSERT_EQ(unlockpt(host_), 0);
-    ASSERT_EQ(symlink(ptsname(host_), path_.c_str()), 0);
-  }
-  void unplug() {
-    if (host_ >= 0) close(host_);
-    host_ = -1;
-    unlink(path_.c_str());
-  }
   void type(const std::string& text) {
-    ASSERT_EQ(write(host_, text.data(), text.size()), ssize_t(text.size()));
+    line_.type(text);
     poll();
   }
   void poll() { link_.poll(now_ += SerialLink::kRead_ns); }
@@ -58,17 +41,10 @@ class SerialLinkTest : public testing::Test {
     Text<128> line;
     link_.pose(line.put(text).put('\n'));
   }
-  std::string heard() {
-    std::string out;
-    char bytes[4096];
-    ssize_t got = 0;
-    while ((got = read(host_, bytes, sizeof bytes)) > 0) out.append(bytes, size_t(got));
-    return out;
-  }
+  std::string heard() { return line_.heard(); }
 
   SerialLink link_;
-  std::string path_;
-  int host_ = -1;
+  TestingLine line_{"pirvs_tty_"};
   TimeNs now_ = 1000 * kMs;
   uint32_t ticket_ = 7;
   bool full_ = false;
@@ -173,10 +149,10 @@ TEST_F(SerialLinkTest, DropsWholeLinesWhenNobodyReads) {
 
 TEST_F(SerialLinkTest, GoesOnWhenTheHostComesBack) {
   pose("1.0 a");
-  unplug();
+  line_.unplug();
   for (int i = 0; i < 3; ++i) poll();
   pose("2.0 b");
-  plug();
+  line_.plug();
   for (TimeNs t = 0; t <= SerialLink::kRetry_ns; t += SerialLink::kRead_ns) poll();
   pose("3.0 c");
   EXPECT_EQ(heard(), "3.0 c\n");

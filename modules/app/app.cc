@@ -195,6 +195,8 @@ void App::take(const DoorItem& item) {
       take_fix(item.gnss);
       break;
     case DoorItemKind::kWheel:
+      estimator_.wheel(item.wheel);
+      break;
     case DoorItemKind::kEdge:
       break;  // nobody asks for them yet
   }

@@ -92,13 +92,14 @@ class App {
   void set_clock(TimeNs (*now)()) { output_.set_clock(now); }
   PoseFeed& poses() { return output_.feed(); }
   const Latency& latency() const { return output_.latency(); }  // from any core
-  // At rest: how far the calibration is off, as it was told, time and turn ("": it is not); in
-  // numbers; by how much the cameras' offset was corrected.
+  // At rest: how far the calibration is off, as it was told, of time, turn and wheels ("": it is
+  // not); in numbers; by how much the cameras' offset was corrected.
   const char* calibration_news(int i) const { return estimator_.calibration_news(i); }
   SelfCalibration::Estimate self_calibration() const {
     return estimator_.tracker().self_calibration();
   }
   TimeNs camera_correction() const { return camera_correction_; }
+  double wheel_scale() const { return estimator_.tracker().wheel_scale(); }  // 1: as calibrated
   // East, north, up about the first good fix: where AppSinks::fused stands. The door's core.
   const LocalFrame& local_frame() const { return fusion_.frame(); }
 

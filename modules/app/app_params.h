@@ -46,6 +46,7 @@ constexpr void for_each_group(Params& p, Visit&& visit) {
   visit("filter", p.tracking.filter, kFilterRows);
   visit("matching", p.tracking.matching, kMatchingRows);
   visit("standstill", p.tracking.standstill, kStandstillRows);
+  visit("wheels", p.tracking.wheels, kWheelRows);
   visit("health", p.tracking.health, kHealthRows);
   visit("mapping", p.mapping, kMappingRows);
   visit("exposure", p.exposure, kExposureRows);

@@ -19,7 +19,8 @@ const char* event_of(const FrameResult& result) {
   return result.health_changed ? "health changed" : nullptr;
 }
 
-constexpr double kTold_s = 4e-3, kTold_rad = 0.7 * kPi / 180;  // smaller errors are not told
+// Smaller errors are not told.
+constexpr double kTold_s = 4e-3, kTold_rad = 0.7 * kPi / 180, kTold_scale = 0.01;
 
 bool is_off(double by, double sigma, double told) {
   constexpr double kSigmas = 10;  // observations are not independent
@@ -45,6 +46,7 @@ void Estimator::configure_tracking() {
   const ImuNoise noise = scaled(calibration_.imu, params_.imu);
   tracker_.configure(calibration_.camera, calibration_.cameras, noise, params_.tracking, frontend_,
                      &keyframe_ring_, &map_mailbox_);
+  tracker_.configure_wheels(calibration_.wheels);
   mapper_.configure(calibration_.camera, noise, params_.mapping, &keyframe_ring_, &map_mailbox_);
   mapper_.on_keyframe_removed(sinks_.keyframe, sinks_.context);
 }
@@ -195,7 +197,7 @@ Step Estimator::tracking_step() {
 // error, so that what is told is rather too small.
 void Estimator::tell_calibration() {
   const SelfCalibration::Estimate now = tracker_.self_calibration();
-  auto& [time, turn] = calibration_news_;
+  auto& [time, turn, scale] = calibration_news_;
   const bool corrected = params_.tracking.tracker.estimate_time > 0.5f;
   if (!corrected && time.size() == 0 && is_off(now.time_s, now.time_sigma_s, kTold_s)) {
     time.put("images are about ")
@@ -211,6 +213,14 @@ void Estimator::tell_calibration() {
         .fixed(turn_rad * 180 / kPi, 1)
         .put(" degrees against the IMU, other than T_BS says");
     tell_health(frame_.t, turn.c_str());
+  }
+  const bool enlarged = params_.tracking.wheels.estimate_scale > 0.5f;
+  if (!enlarged && scale.size() == 0 && is_off(now.scale, now.scale_sigma, kTold_scale)) {
+    scale.put("the wheels are about ")
+        .fixed(100 * std::fabs(now.scale), 1)
+        .put(now.scale < 0 ? " % smaller" : " % larger")
+        .put(" than their calibration says: radius, or --set wheels.estimate_scale=1");
+    tell_health(frame_.t, scale.c_str());
   }
 }
 

@@ -1,7 +1,7 @@
 // Front-ends, tracking and mapping as one: ordered samples and frames in, poses out. Knows no
 // sensor, no schedule and no clock but that of CPU time for its reports.
-// In      imu() and begin() in order of sensor time, a frame only while idle(); then its steps,
-//         each on a core of its own if the plan likes.
+// In      imu(), wheel() and begin() in order of sensor time, a frame only while idle(); then its
+//         steps, each on a core of its own if the plan likes.
 // Out     fused() after every frame; a FrameReport once a frame is done and the next one begins.
 // Frames  W: world, z up, origin at the first keyframe. B: IMU.
 // Errors  none to the caller: what is rejected is counted by name.
@@ -32,6 +32,7 @@ class Estimator {
 
   // ---- on the door's core, which is tracking's ----
   void imu(const ImuSample& sample, bool stamps_in_doubt);
+  void wheel(const WheelSample& sample) { tracker_.add_wheel(sample); }
   // Time does not go on from the item before: nothing can be carried over but the map's frame.
   void interrupt(TimeNs t, const char* why);
   void tell_health(TimeNs t, const char* what);
@@ -125,7 +126,7 @@ class Estimator {
   int64_t tracking_ns_ = 0;
   FrameReport report_;
   bool report_pending_ = false;
-  Text<160> calibration_news_[2];  // of time and turn: told once, a sink may keep them
+  Text<160> calibration_news_[3];  // of time, turn and wheels: told once, a sink may keep them
 };
 
 }  // namespace pirvs

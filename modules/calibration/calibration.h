@@ -8,6 +8,7 @@
 #include "core/base/time.h"
 #include "core/camera/camera.h"
 #include "modules/imu/imu_noise.h"
+#include "modules/wheels/wheel_calibration.h"
 
 namespace pirvs {
 
@@ -22,6 +23,7 @@ struct Calibration {
   ImuNoise imu;
   TimeNs camera_time_offset_ns = 0;
   GnssAntenna gnss;
+  WheelCalibration wheels;
 };
 
 }  // namespace pirvs

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kRotation = 1e-6;
 constexpr double kLever_m_max = 5.0;
-constexpr double kAntenna_m_max = 50.0;
+constexpr double kAntenna_m_max = 50.0, kVehicle_m_max = 20.0;
 constexpr double kFocal_min = 0.05, kFocal_max = 20.0;  // of the image's width
 constexpr double kAspect_max = 2.0;                     // fx / fy and its inverse
 constexpr double kReprojection_px = 0.1;
@@ -107,6 +107,24 @@ CalibrationFault find_gnss_fault(const GnssAntenna& gnss) {
   return {};
 }
 
+CalibrationFault find_wheel_fault(const WheelCalibration& wheels) {
+  if (!wheels.known) return {};
+  if (!wheels.T_BV.p.allFinite() || wheels.T_BV.p.norm() > kVehicle_m_max) {
+    return {"wheels", "the axle is more than 20 m from the IMU", "give it in metres"};
+  }
+  if (!is_rotation(wheels.T_BV.R)) {
+    return {"wheels", "the rotation of T_BV is none", "give a right-handed orthonormal matrix"};
+  }
+  if (!within(wheels.track_m, 0, kVehicle_m_max) ||
+      !within(wheels.wheelbase_m, 0, kVehicle_m_max) || !within(wheels.tick_m, 0, 1)) {
+    return {"wheels", "track, wheelbase or the way of a tick cannot be", "give them in metres"};
+  }
+  if (wheels.time_offset_ns > kOffset_max || wheels.time_offset_ns < -kOffset_max) {
+    return {"wheels", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
+  }
+  return {};
+}
+
 CalibrationFault find_stereo_fault(const Camera& left, const Camera& right) {
   const SE3 T_C0C1 = left.T_BC.inverse() * right.T_BC;
   const double baseline_m = T_C0C1.p.norm();
@@ -138,6 +156,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
             "give timeshift_cam_imu in seconds"};
   }
   if (const auto fault = find_gnss_fault(calibration.gnss)) return fault;
+  if (const auto fault = find_wheel_fault(calibration.wheels)) return fault;
   if (calibration.cameras < 2) return {};
   return find_stereo_fault(calibration.camera[0], calibration.camera[1]);
 }

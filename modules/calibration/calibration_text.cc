@@ -61,19 +61,32 @@ const char* read_distortion(std::string_view value, Camera& out) {
   return read_numbers(value, out.d, std::size(out.d)) ? nullptr : kNumbers;
 }
 
-const char* read_pose(std::string_view value, Camera& out) {
+const char* read_pose(std::string_view value, SE3& out) {
   double m[12];
   if (!read_numbers(value, m, 12)) return kNumbers;
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) out.T_BC.R(i, j) = m[4 * i + j];
-    out.T_BC.p(i) = m[4 * i + 3];
+    for (int j = 0; j < 3; ++j) out.R(i, j) = m[4 * i + j];
+    out.p(i) = m[4 * i + 3];
   }
   // What printing has cost is taken back; what is no rotation at all is found by find_fault.
   constexpr double kExact = 4e-15, kPrinted = 1e-3;
-  const Mat3& R = out.T_BC.R;
+  const Mat3& R = out.R;
   const double error = (R * R.transpose() - Mat3::Identity()).norm();
   const bool rotation = error < kPrinted && R.determinant() > 0;
-  if (rotation && error > kExact) out.T_BC.R = orthonormalized(R);
+  if (rotation && error > kExact) out.R = orthonormalized(R);
+  return nullptr;
+}
+
+const char* read_camera_pose(std::string_view value, Camera& out) {
+  return read_pose(value, out.T_BC);
+}
+
+const char* read_offset(std::string_view value, TimeNs& out) {
+  int64_t whole = 0;
+  if (!read_whole(value, -kOffset_ns_max, kOffset_ns_max, whole)) {
+    return "needs whole nanoseconds, below 1000 s";
+  }
+  out = whole;
   return nullptr;
 }
 
@@ -82,8 +95,8 @@ struct CameraKey {
   const char* (*read)(std::string_view, Camera&);
 };
 constexpr CameraKey kCameraKeys[] = {
-    {"model", read_model},   {"size", read_size}, {"focal", read_focal},
-    {"centre", read_centre}, {"T_BC", read_pose}, {"distortion", read_distortion},
+    {"model", read_model},   {"size", read_size},        {"focal", read_focal},
+    {"centre", read_centre}, {"T_BC", read_camera_pose}, {"distortion", read_distortion},
 };
 
 struct ImuKey {
@@ -102,13 +115,33 @@ constexpr const char* kGnssName = "gnss.";
 
 const char* read_gnss(std::string_view key, std::string_view value, GnssAntenna& out) {
   if (key == "antenna") return read_numbers(value, out.p_BA.data(), 3) ? nullptr : kNumbers;
-  if (key != "time_offset_ns") return "no such key in a calibration";
-  int64_t whole = 0;
-  if (!read_whole(value, -kOffset_ns_max, kOffset_ns_max, whole)) {
-    return "needs whole nanoseconds, below 1000 s";
+  if (key == "time_offset_ns") return read_offset(value, out.time_offset_ns);
+  return "no such key in a calibration";
+}
+
+constexpr const char* kWheelsName = "wheels.";
+
+struct WheelKey {
+  const char* name;
+  double WheelCalibration::*field;
+};
+constexpr WheelKey kWheelKeys[] = {
+    {"track_m", &WheelCalibration::track_m},
+    {"wheelbase_m", &WheelCalibration::wheelbase_m},
+    {"tick_m", &WheelCalibration::tick_m},
+};
+
+// T_BV says that there are any.
+const char* read_wheels(std::string_view key, std::string_view value, WheelCalibration& out) {
+  if (key == "T_BV") {
+    out.known = true;
+    return read_pose(value, out.T_BV);
   }
-  out.time_offset_ns = whole;
-  return nullptr;
+  if (key == "time_offset_ns") return read_offset(value, out.time_offset_ns);
+  for (const WheelKey& wheel : kWheelKeys) {
+    if (key == wheel.name) return read_numbers(value, &(out.*wheel.field), 1) ? nullptr : kNumbers;
+  }
+  return "no such key in a calibration";
 }
 
 // Which keys have been there, a bit each.
@@ -127,14 +160,12 @@ const char* read_line(const KeyValue& line, Calibration& out, Seen& seen) {
     return nullptr;
   }
   if (line.key == "camera_time_offset_ns") {
-    if (!read_whole(line.value, -kOffset_ns_max, kOffset_ns_max, whole)) {
-      return "needs whole nanoseconds, below 1000 s";
-    }
-    out.camera_time_offset_ns = whole;
-    return nullptr;
+    return read_offset(line.value, out.camera_time_offset_ns);
   }
   const std::string_view gnss = behind(line.key, kGnssName);
   if (!gnss.empty()) return read_gnss(gnss, line.value, out.gnss);
+  const std::string_view wheels = behind(line.key, kWheelsName);
+  if (!wheels.empty()) return read_wheels(wheels, line.value, out.wheels);
   for (int c = 0; c < kCamerasMax; ++c) {
     const std::string_view name = behind(line.key, kCameraNames[c]);
     for (size_t i = 0; i < std::size(kCameraKeys); ++i) {
@@ -174,6 +205,15 @@ void put_numbers(TextWriter& out, const char* prefix, const char* key, const dou
   out.put('\n');
 }
 
+void put_pose(TextWriter& out, const char* prefix, const char* key, const SE3& T) {
+  double m[12];
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) m[4 * i + j] = T.R(i, j);
+    m[4 * i + 3] = T.p(i);
+  }
+  put_numbers(out, prefix, key, m, 12);
+}
+
 void write_camera(const Camera& camera, const char* prefix, TextWriter& out) {
   for (const Model& model : kModels) {
     if (model.model == camera.model) out.put(prefix).put("model = ").put(model.name).put('\n');
@@ -183,12 +223,17 @@ void write_camera(const Camera& camera, const char* prefix, TextWriter& out) {
   put_numbers(out, prefix, "focal", focal, 2);
   put_numbers(out, prefix, "centre", centre, 2);
   put_numbers(out, prefix, "distortion", camera.d, std::size(camera.d));
-  double m[12];
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) m[4 * i + j] = camera.T_BC.R(i, j);
-    m[4 * i + 3] = camera.T_BC.p(i);
+  put_pose(out, prefix, "T_BC", camera.T_BC);
+}
+
+void write_wheels(const WheelCalibration& wheels, TextWriter& out) {
+  if (!wheels.known) return;
+  put_pose(out, kWheelsName, "T_BV", wheels.T_BV);
+  for (const WheelKey& key : kWheelKeys) {
+    if (wheels.*key.field > 0) put_numbers(out, kWheelsName, key.name, &(wheels.*key.field), 1);
   }
-  put_numbers(out, prefix, "T_BC", m, 12);
+  if (wheels.time_offset_ns == 0) return;
+  out.put(kWheelsName).put("time_offset_ns = ").number(wheels.time_offset_ns).put('\n');
 }
 
 }  // namespace
@@ -220,6 +265,7 @@ void write_calibration(const Calibration& calibration, TextWriter& out) {
   if (gnss.time_offset_ns != 0) {
     out.put(kGnssName).put("time_offset_ns = ").number(gnss.time_offset_ns).put('\n');
   }
+  write_wheels(calibration.wheels, out);
 }
 
 }  // namespace pirvs

@@ -55,6 +55,29 @@ TEST(CalibrationText, TheAntennaMayBeMissing) {
   EXPECT_STREQ(find_fault(in).where, "gnss");
 }
 
+TEST(CalibrationText, TheWheelsMayBeMissing) {
+  Calibration in = euroc_like(), out;
+  EXPECT_EQ(written(in).find("wheels"), std::string::npos);
+  in.wheels.known = true;
+  in.wheels.T_BV.p = Vec3(-0.2, 0.1, -1.0 / 3.0);
+  in.wheels.track_m = 0.41;
+  in.wheels.tick_m = 1e-3;
+  in.wheels.time_offset_ns = -5'000'000;
+  ASSERT_FALSE(read_calibration(written(in), out));
+  EXPECT_TRUE(out.wheels.known);
+  EXPECT_EQ(out.wheels.T_BV.p, in.wheels.T_BV.p);
+  EXPECT_EQ(out.wheels.track_m, 0.41);
+  EXPECT_EQ(out.wheels.tick_m, 1e-3);
+  EXPECT_EQ(out.wheels.wheelbase_m, 0);
+  EXPECT_EQ(out.wheels.time_offset_ns, -5'000'000);
+  EXPECT_FALSE(find_fault(out));
+  for (const char* line : {"wheels.T_BV = 1 2\n", "wheels.track_m = wide\n", "wheels.x = 1\n"}) {
+    EXPECT_TRUE(read_calibration(written(in) + line, out)) << line;
+  }
+  in.wheels.track_m = 100;
+  EXPECT_STREQ(find_fault(in).where, "wheels");
+}
+
 TEST(CalibrationText, ReadsWhatItWrote) {
   const Calibration in = euroc_like();
   Calibration out;

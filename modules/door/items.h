@@ -1,13 +1,14 @@
 // What may come to the door besides IMU samples and frames: it passes in order of sensor time.
-// Frames  GnssFix: the antenna, WGS 84, velocity north, east, down. WheelSample: the vehicle.
+// Frames  GnssFix: the antenna, WGS 84, velocity north, east, down. WheelSample: wheel_sample.h.
 // Units   ns on the IMU's clock, deg, m, m/s, rad/s.
-// Source  issue "GNSS and wheels": the columns of gnss0/data.csv and wheel0/data.csv.
+// Source  docs/gnss.md: the columns of gnss0/data.csv.
 #pragma once
 
 #include <cstdint>
 
 #include "core/base/time.h"
 #include "core/math/types.h"
+#include "modules/wheels/wheel_sample.h"
 
 namespace pirvs {
 
@@ -20,18 +21,6 @@ struct GnssFix {
   double sigma_horizontal_m = 0, sigma_vertical_m = 0, sigma_velocity_m_s = 0;  // of one axis
   GnssFixType type = GnssFixType::kNone;
   bool has_velocity = false;
-};
-
-enum class WheelKind : uint8_t {
-  kLeftRight,  // speed of the left and of the right wheel, m/s
-  kTwist,      // speed, m/s, and turn rate, rad/s
-  kTicks,      // counters of the left and of the right encoder
-};
-
-struct WheelSample {
-  TimeNs t = 0;
-  double value[2] = {0, 0};
-  WheelKind kind = WheelKind::kLeftRight;
 };
 
 }  // namespace pirvs

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/square.h"
 #include "core/math/trig.h"
 
 namespace pirvs {
@@ -10,8 +11,6 @@ namespace {
 
 // A stretch whose residuals are so many times their sigmas does not belong to the others.
 constexpr double kOutlier = 3.0;
-
-double square(double x) { return x * x; }
 
 }  // namespace
 

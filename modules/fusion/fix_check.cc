@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/square.h"
 #include "core/math/trig.h"
 
 namespace pirvs {
@@ -16,11 +17,7 @@ constexpr double kMisclaim = 1.5;       // below that a receiver's claims are as
 constexpr double kClaimsFollow = 0.02;  // a fix's share in judging them
 // Horizontal, by GnssFixType, of a receiver that claims nothing.
 constexpr double kSigma_m[] = {5, 5, 3, 0.5, 0.02};
-constexpr double kUnknownSpeed_m_s = 30;
 constexpr double kSigma_m_s = 0.3, kSigma_m_s_min = 0.01;
-
-double square(double x) { return x * x; }
-double number(float x) { return static_cast<double>(x); }
 
 bool finite_and_positive(double x) { return std::isfinite(x) && x > 0; }
 

@@ -15,6 +15,8 @@
 
 namespace pirvs {
 
+inline constexpr double kUnknownSpeed_m_s = 30;  // sigma where a receiver gives no velocity
+
 // What became of a fix.
 enum class FixGate : uint8_t {
   kAccepted,

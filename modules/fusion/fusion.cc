@@ -5,6 +5,7 @@
 #include <new>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "core/math/trig.h"
 
 namespace pirvs {
@@ -17,9 +18,6 @@ constexpr TimeNs kRestart_ns = 10'000'000'000;  // without SLAM: rejected fixes 
 constexpr int kTrustedAgain = 3;                // accepted fixes in a row that end a doubt
 // A jump that ends an alignment's window.
 constexpr double kNewFrame_m = 0.5, kNewFrame_rad = 0.05;
-
-double square(double x) { return x * x; }
-double number(float x) { return static_cast<double>(x); }
 
 }  // namespace
 

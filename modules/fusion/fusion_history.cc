@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "modules/fusion/mm_gnss.h"
 #include "modules/fusion/mm_slam.h"
 
@@ -11,13 +12,9 @@ namespace {
 
 using Kind = FusionEntry::Kind;
 
-constexpr double kUnknownSpeed_m_s = 30;  // of a first fix without velocity
 constexpr double kExtrapolated_s = 0.15;  // from SLAM's last pose, to pair it with a fix
 constexpr double kLinear_rad = 0.03;      // a jump by more is no small error
 constexpr double kFoundBack_m = 0.1, kFoundBack_rad = 0.01;  // SLAM in its old world again
-
-double square(double x) { return x * x; }
-double number(float x) { return static_cast<double>(x); }
 
 }  // namespace
 

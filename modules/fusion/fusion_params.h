@@ -28,6 +28,9 @@ struct FusionParams {
   float sigma_half_m = 2.0f;
 };
 
+// Parameters are float, the filter counts in double.
+inline double number(float x) { return static_cast<double>(x); }
+
 inline constexpr ParamRow<FusionParams> kFusionRows[] = {
     {"accel_m_s2", &FusionParams::accel_m_s2, 0.01f, 100, "m/s^2/sqrt(Hz)", Audience::kUser,
      "noise of the constant velocity between two measurements: how hard the vehicle accelerates"},

@@ -8,16 +8,12 @@
 #include <string>
 #include <vector>
 
+#include "modules/gnss/nmea_sentence_test.h"
+
 namespace pirvs {
 namespace {
 
-std::string sentence(const std::string& body) {
-  uint8_t sum = 0;
-  for (const char c : body) sum = uint8_t(sum ^ uint8_t(c));
-  char tail[8];
-  std::snprintf(tail, sizeof tail, "*%02X\r\n", sum);
-  return "$" + body + tail;
-}
+using testing::sentence;
 
 std::string gga(const std::string& time, const std::string& rest =
                                              "4005.8014960,N,10508.8299900,W,4,25,0.5,1601.400,M,"

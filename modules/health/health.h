@@ -1,7 +1,7 @@
 // Says how far the output can be trusted.
-// In      per frame: accepted correspondences and their spread, position sigma, rest or not; jumps
-//         of the pose.
-// Out     HealthState, confidence 0 to 1 and the resets.
+// In      per frame: correspondences, accepted and rejected, their spread; what the filter holds;
+//         rest or not; jumps of the pose.
+// Out     HealthState, confidence 0 to 1, reasons to doubt it, and the resets.
 // Units   s, m, rad.
 // Errors  none. Cost: negligible.
 // Source  docs/health.md; PIRVS paper, section IV.B (tracking with few correspondences).
@@ -19,11 +19,30 @@ inline constexpr float kDoubtConfidence = 0.25f;  // the most while stamps are i
 enum class HealthState : uint8_t { kInitializing, kTracking, kDegraded, kLost, kCount };
 const char* name(HealthState state);
 
+// Why a pose is to be doubted: bit i of Trust::reasons is Reason(i).
+enum class Reason : uint8_t {
+  kBlind,      // too few correspondences: dead reckoning
+  kRejected,   // much of what is seen is not where it should be
+  kJumps,      // corrections of its own, again and again
+  kAccelBias,  // beyond what an accelerometer has
+  kGyroBias,   // beyond what a gyro has
+  kSpeed,      // beyond what the device can do
+  kStamps,     // one sensor's may be wrong
+  kDenied,     // what ran before this start was hopeless, not long ago
+
+  kCount
+};
+const char* name(Reason reason);
+inline constexpr uint16_t bit(Reason reason) {
+  return static_cast<uint16_t>(1u << static_cast<int>(reason));
+}
+
 // What a consumer can act on within one frame.
 struct Trust {
   float confidence = 0;            // 0: do not use, 1: as good as it gets
   uint32_t resets = 0;             // changes whenever the pose may have jumped
   float jump_m = 0, jump_rad = 0;  // size of the last jump
+  uint16_t reasons = 0;            // not to trust it; 0: none
 };
 
 struct FrameEvidence {
@@ -32,6 +51,8 @@ struct FrameEvidence {
   int cells = 0;     // of kCells in the image that hold one or more of them
   double position_sigma_m = 0;
   bool at_rest = false;
+  int rejected = 0;  // correspondences
+  double speed_m_s = 0, accel_bias_m_s2 = 0, gyro_bias_rad_s = 0;
 };
 
 class Health {
@@ -50,11 +71,16 @@ class Health {
     state_ = HealthState::kLost;
     trust_.confidence = 0;
   }
+  // Lost because it was hopeless, not because nothing was seen: where it went is no place to go on
+  // from.
+  bool denied() const { return denied_; }
   HealthState state() const { return state_; }
   const Trust& trust() const { return trust_; }
 
  private:
   float judge(const FrameEvidence& evidence) const;
+  uint16_t find_reasons(const FrameEvidence& evidence, double dt_s);
+  bool hopeless(const FrameEvidence& evidence);
 
   HealthParams params_;
   HealthState state_ = HealthState::kInitializing;
@@ -62,6 +88,12 @@ class Health {
   TimeNs last_good_ = 0, good_since_ = 0;
   bool good_ = false, in_doubt_ = false;
   double blind_s_ = 0;  // since the last frame with enough correspondences
+  TimeNs last_t_ = 0;
+  double rejected_share_ = 0;  // of late
+  double jumps_ = 0;           // of its own, of late
+  double hopeless_s_ = 0;
+  bool denied_ = false;
+  TimeNs denied_until_ = 0;
 };
 
 }  // namespace pirvs

@@ -18,6 +18,11 @@ struct HealthParams {
   float sigma_half_m = 0.25f;
   float jump_m = 0.05f;
   float jump_rad = 0.02f;
+  float jumps_max = 1.5f;
+  float rejected_share_max = 0.35f;
+  float accel_bias_max_m_s2 = 2.0f;
+  float gyro_bias_max_rad_s = 0.5f;
+  float speed_max_m_s = 50.0f;
 };
 
 inline constexpr ParamRow<HealthParams> kHealthRows[] = {
@@ -42,6 +47,21 @@ inline constexpr ParamRow<HealthParams> kHealthRows[] = {
      "a correction that moves the pose by more is reported as a jump"},
     {"jump_rad", &HealthParams::jump_rad, 1e-4f, 3, "rad", Audience::kUser,
      "a correction that turns the pose by more is reported as a jump"},
+    {"jumps_max", &HealthParams::jumps_max, 0.5f, 100, "1", Audience::kExpert,
+     "jumps of its own within about ten seconds from which the pose is doubted; with six times as "
+     "many it is lost"},
+    {"rejected_share_max", &HealthParams::rejected_share_max, 0.05f, 1, "1", Audience::kExpert,
+     "share of rejected correspondences from which the pose is doubted; half way to 1 from there "
+     "it is lost"},
+    {"accel_bias_max_m_s2", &HealthParams::accel_bias_max_m_s2, 0.01f, 20, "m/s^2", Audience::kUser,
+     "bias that the accelerometer may have; with a larger one the pose is doubted, with three "
+     "times as much lost"},
+    {"gyro_bias_max_rad_s", &HealthParams::gyro_bias_max_rad_s, 0.001f, 10, "rad/s",
+     Audience::kUser,
+     "bias that the gyro may have; with a larger one the pose is doubted, with three times as "
+     "much lost"},
+    {"speed_max_m_s", &HealthParams::speed_max_m_s, 0.1f, 1000, "m/s", Audience::kUser,
+     "speed that the device can have; with a larger one the pose is doubted, then lost"},
 };
 static_assert(sizeof(HealthParams) == std::size(kHealthRows) * sizeof(float));
 static_assert(in_range(HealthParams{}, kHealthRows));

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+#include <string>
+
 namespace pirvs {
 namespace {
 
@@ -137,6 +140,90 @@ TEST(health, jumps_are_counted_when_large_or_certain) {
 TEST(health, every_state_has_a_name) {
   EXPECT_STREQ(name(HealthState::kInitializing), "initializing");
   EXPECT_STREQ(name(HealthState::kLost), "lost");
+}
+
+FrameEvidence sound(double t_s) {
+  FrameEvidence e;
+  e.t = from_seconds(t_s);
+  e.accepted = 100;
+  e.cells = 12;
+  e.position_sigma_m = 0.01;
+  return e;
+}
+
+// Runs for two seconds at 20 Hz with what `spoil` makes of each frame.
+template <class Spoil>
+void run(HealthCase& c, Spoil&& spoil) {
+  for (int k = 1; k <= 40 && c.health.state() != HealthState::kLost; ++k) {
+    FrameEvidence e = sound(0.05 * k);
+    spoil(e);
+    c.health.update(e);
+  }
+}
+
+TEST(health, what_cannot_be_is_doubted_by_name) {
+  struct Case {
+    Reason reason;
+    void (*spoil)(FrameEvidence&);
+  };
+  const Case cases[] = {
+      {Reason::kRejected, [](FrameEvidence& e) { e.rejected = 90; }},
+      {Reason::kAccelBias, [](FrameEvidence& e) { e.accel_bias_m_s2 = 2.5; }},
+      {Reason::kGyroBias, [](FrameEvidence& e) { e.gyro_bias_rad_s = 0.7; }},
+  };
+  for (const Case& one : cases) {
+    HealthCase c;
+    c.health.started(0);
+    run(c, one.spoil);
+    EXPECT_EQ(c.health.trust().reasons, bit(one.reason)) << name(one.reason);
+    EXPECT_LE(c.confidence(), 0.5f) << name(one.reason);
+    EXPECT_EQ(c.health.state(), HealthState::kTracking) << name(one.reason);
+    FrameEvidence last = sound(8);
+    for (int k = 0; k < 20; ++k) {
+      last.t += from_seconds(0.2);
+      c.health.update(last);
+    }
+    EXPECT_EQ(c.health.trust().reasons, 0) << "it passes";
+    EXPECT_GT(c.confidence(), 0.9f);
+  }
+}
+
+TEST(health, what_is_hopeless_is_lost_within_a_second) {
+  for (void (*spoil)(FrameEvidence&) :
+       {+[](FrameEvidence& e) { e.speed_m_s = 100; },
+        +[](FrameEvidence& e) { e.accel_bias_m_s2 = 7; },
+        +[](FrameEvidence& e) { e.speed_m_s = std::numeric_limits<double>::quiet_NaN(); },
+        +[](FrameEvidence& e) { e.accepted = 20, e.rejected = 80; }}) {
+    HealthCase c;
+    c.health.started(0);
+    run(c, spoil);
+    EXPECT_EQ(c.health.state(), HealthState::kLost);
+    EXPECT_EQ(c.confidence(), 0);
+    EXPECT_TRUE(c.health.denied());
+    c.health.started(from_seconds(5));
+    c.health.update(sound(6));
+    EXPECT_EQ(c.health.trust().reasons, bit(Reason::kDenied)) << "for a while";
+    c.health.update(sound(16));
+    EXPECT_EQ(c.health.trust().reasons, 0);
+  }
+}
+
+TEST(health, jumps_of_its_own_again_and_again_are_doubted) {
+  HealthCase c;
+  c.health.started(0);
+  for (int k = 0; k < 4; ++k) (void)c.health.note_jump(0.3, 0, true);
+  c.health.update(sound(0.1));
+  EXPECT_EQ(c.health.trust().reasons, 0) << "certain ones are none of its own";
+  for (int k = 0; k < 3; ++k) (void)c.health.note_jump(0.3, 0, false);
+  c.health.update(sound(0.2));
+  EXPECT_EQ(c.health.trust().reasons, bit(Reason::kJumps));
+}
+
+TEST(health, every_reason_has_a_name) {
+  for (int i = 0; i < static_cast<int>(Reason::kCount); ++i) {
+    EXPECT_GT(std::string(name(Reason(i))).size(), 0u);
+    EXPECT_EQ(std::string(name(Reason(i))).find_first_of(",+ "), std::string::npos);
+  }
 }
 
 }  // namespace

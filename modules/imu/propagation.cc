@@ -1,6 +1,7 @@
 #include "modules/imu/propagation.h"
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "modules/imu/gravity.h"
 
 namespace pirvs {
@@ -31,7 +32,6 @@ void propagate(const ImuSample& a, const ImuSample& b, const ImuNoise& noise, Bo
   if (transition != nullptr) *transition = F;
   const Mat15 FP = F * cov;
   cov.noalias() = FP * F.transpose();
-  const auto square = [](double x) { return x * x; };
   const ImuNoise white = bridged(noise, static_cast<double>(b.gap_s));
   cov.diagonal().segment<3>(kTheta).array() += square(white.gyro_noise) * dt;
   cov.diagonal().segment<3>(kVel).array() += square(white.accel_noise) * dt;

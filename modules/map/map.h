@@ -14,6 +14,7 @@
 #include "modules/frontend/frontend.h"
 #include "modules/imu/preintegration.h"
 #include "modules/state/body_state.h"
+#include "modules/wheels/wheel_path.h"
 
 namespace pirvs {
 
@@ -53,6 +54,7 @@ struct Keyframe {
   BodyState state;
   Observations observations[kCamerasMax];
   Preintegration from_previous;  // motion since keyframe `sequence - 1`
+  WheelPath way_from_previous;   // the same, by the wheels
   bool linked = false;           // from_previous holds
   bool at_rest = false;
   float worth = 1e9f;         // what would be missed without it; new ones are not weighed yet

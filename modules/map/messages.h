@@ -46,6 +46,7 @@ struct KeyframeMessage {
   SE3 leveled;  // the map that tracking knew (MapSnapshot): its frame is that of `state`
   Observations observations[kCamerasMax];
   Preintegration from_previous;
+  WheelPath way_from_previous;
   bool linked = false;
   bool adjust = true;  // false: more keyframes follow at once (start-up)
   uint16_t epoch = 0;
@@ -65,6 +66,9 @@ struct KeyframeMessage {
   Vec4 off = Vec4::Zero();
   Mat4 off_cov = Mat4::Identity();
   bool at_rest = false;  // the body stands still: its velocity is known to be zero
+  // Not 0: nothing was followed since the keyframe before, and the place is not recognised: how far
+  // dead reckoning may be off, map_error.h.
+  Mat6 drift = Mat6::Zero();
 };
 
 inline constexpr size_t kStartKeyframesMax = 14;  // of one start

@@ -38,7 +38,7 @@ void Adjustment::build(WorkingMap& map) {
     if (i == window_begin) {
       bundle_.set_prior(frame, prior_);
     } else if (member.linked) {
-      bundle_.link(frame - 1, frame, member.from_previous);
+      bundle_.link(frame - 1, frame, member.from_previous, member.way_from_previous);
     }
   }
   if (window_first_ > 0) {
@@ -61,8 +61,9 @@ void Adjustment::slide_prior(WorkingMap& map, size_t window_begin) {
     if (a.sequence < prior_.sequence) continue;
     const Mat6 vision =
         vision_of_ == a.sequence ? params_.prior_vision_weight * vision_ : guessed_vision();
-    prior_ = advance(prior_, a.state, b.sequence, b.state, b.linked ? &b.from_previous : nullptr,
-                     vision, noise_, params_);
+    const Motions motions{&b.from_previous, &b.way_from_previous};
+    prior_ = advance(prior_, a.state, b.sequence, b.state, b.linked ? &motions : nullptr, vision,
+                     noise_, params_);
   }
 }
 
@@ -121,7 +122,12 @@ void Adjustment::hold_error(WorkingMap& map, size_t window_begin) {
   };
   for (const Member& fixed : members_)
     add(map.keyframe(fixed.place), 1.0 / double(members_.size()));
-  if (members_.empty()) add(map.keyframe(window_begin - 1), 1.0);
+  if (!members_.empty()) return;
+  const Keyframe& before = map.keyframe(window_begin - 1);
+  add(before, 1.0);
+  if (map.drift_since(map.keyframe(window_begin).sequence, at).isZero(0)) {
+    held_error_ += map.drift_since(before.sequence, at);  // it lies between the two
+  }
 }
 
 // Observations are grouped by point for the bundle: a counting sort over the landmarks' slots.
@@ -233,7 +239,8 @@ void Adjustment::write_back(WorkingMap& map) {
 
 // The fixed keyframes have pose errors of their own. Their covariance is propagated to the oldest
 // free keyframe and to the newest one: shift and heading in full, of the tilt what levelling has
-// left. The points near the newest keyframe are taken to have its error.
+// left; and what dead reckoning may have added within the window, which the IMU links alone would
+// promise too little of. The points near the newest keyframe are taken to have its error.
 void Adjustment::spread_error(WorkingMap& map) {
   Keyframe& oldest = map.keyframe(members_[static_cast<size_t>(window_first_)].place);
   const Keyframe& newest = map.newest();
@@ -244,6 +251,7 @@ void Adjustment::spread_error(WorkingMap& map) {
   const Mat6 B = bundle_.newest_follows().topRows<6>();
   map.errors().newest = error_of_pose(
       newest.state.T_WB.R, B * held_error_ * B.transpose() + newest_cov_.topLeftCorner<6, 6>());
+  map.errors().newest += map.drift_since(oldest.sequence, newest.state.T_WB.p);
 }
 
 void Adjustment::remove_outliers(WorkingMap& map) {

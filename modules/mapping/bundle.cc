@@ -31,6 +31,7 @@ void Bundle::begin(const Camera* cameras, const ImuNoise& noise, const MappingPa
   points_.clear();
   observations_.clear();
   links_.clear();
+  wheel_links_.clear();
   prior_frame_ = -1;
   unknowns_ = 0;
   tilt_free_ = false;
@@ -63,8 +64,9 @@ void Bundle::place_cameras(Frame& frame, const BodyState& state) const {
   for (int c = 0; c < kCamerasMax; ++c) frame.T_CW[c] = frame.T_CB[c] * T_BW;
 }
 
-void Bundle::link(int from, int to, const Preintegration& motion) {
-  const bool added = links_.push_back(make_link(from, to, motion, noise_));
+void Bundle::link(int from, int to, const Preintegration& motion, const WheelPath& way) {
+  const bool added = links_.push_back(make_link(from, to, motion, noise_)) &&
+                     (!way.holds() || wheel_links_.push_back(make_link(from, to, way)));
   PIRVS_ASSERT(added);  // one per free frame
 }
 
@@ -127,6 +129,7 @@ bool Bundle::step() {
       if (next_point_ < points_.size()) return false;
       keep_oldest_vision();
       linearize_links();
+      linearize_wheels();
       linearize_tilt();
       cost_ = cost_trial_;
       if (iteration_ == 0) cost_before_ = cost_;
@@ -246,13 +249,14 @@ void Bundle::keep_oldest_vision() {
   }
 }
 
+void Bundle::add_block(int at_row, int at_column, const Mat15& block) {
+  for (int i = 0; i < 15; ++i) {
+    double* out = row(at_row + i) + at_column;
+    for (int j = at_row == at_column ? i : 0; j < 15; ++j) out[j] += block(i, j);
+  }
+}
+
 void Bundle::linearize_links() {
-  const auto add = [this](int at_row, int at_column, const Mat15& block) {
-    for (int i = 0; i < 15; ++i) {
-      double* out = row(at_row + i) + at_column;
-      for (int j = at_row == at_column ? i : 0; j < 15; ++j) out[j] += block(i, j);
-    }
-  };
   for (const ImuLink& link : links_) {
     const Frame& a = frames_[static_cast<size_t>(link.from)];
     const Frame& b = frames_[static_cast<size_t>(link.to)];
@@ -265,19 +269,40 @@ void Bundle::linearize_links() {
     if (a.unknown >= 0) {
       const Vec15 g = J_a.transpose() * Wr;
       for (int i = 0; i < 15; ++i) b_[a.unknown + i] -= g[i];
-      add(a.unknown, a.unknown, J_a.transpose() * weigh(link, J_a));
-      add(a.unknown, b.unknown, J_a.transpose() * WJ_b);
+      add_block(a.unknown, a.unknown, J_a.transpose() * weigh(link, J_a));
+      add_block(a.unknown, b.unknown, J_a.transpose() * WJ_b);
     }
     const Vec15 g = J_b.transpose() * Wr;
     for (int i = 0; i < 15; ++i) b_[b.unknown + i] -= g[i];
-    add(b.unknown, b.unknown, J_b.transpose() * WJ_b);
+    add_block(b.unknown, b.unknown, J_b.transpose() * WJ_b);
   }
   if (prior_frame_ >= 0) {
     const Frame& frame = frames_[static_cast<size_t>(prior_frame_)];
     const Vec15 g = prior_.gradient - prior_.information * boxminus(frame.state, prior_.mean);
     cost_trial_ += prior_cost(frame.state);
     for (int i = 0; i < 15; ++i) b_[frame.unknown + i] += g[i];
-    add(frame.unknown, frame.unknown, prior_.information);
+    add_block(frame.unknown, frame.unknown, prior_.information);
+  }
+}
+
+// They do not change as all tilts as one.
+void Bundle::linearize_wheels() {
+  for (const WheelLink& link : wheel_links_) {
+    const Frame& a = frames_[static_cast<size_t>(link.from)];
+    const Frame& b = frames_[static_cast<size_t>(link.to)];
+    const Vec3 r = link_residual(link, a.state, b.state);
+    Vec3x15 J_a, J_b;
+    link_jacobians(link, a.state, b.state, J_a, J_b);
+    const Vec3 Wr = link.information * r;
+    cost_trial_ += r.dot(Wr);
+    const Vec3x15 WJ_b = link.information * J_b;
+    if (a.unknown >= 0) {
+      Eigen::Map<Vec15>(b_ + a.unknown) -= J_a.transpose() * Wr;
+      add_block(a.unknown, a.unknown, J_a.transpose() * (link.information * J_a));
+      add_block(a.unknown, b.unknown, J_a.transpose() * WJ_b);
+    }
+    Eigen::Map<Vec15>(b_ + b.unknown) -= J_b.transpose() * Wr;
+    add_block(b.unknown, b.unknown, J_b.transpose() * WJ_b);
   }
 }
 
@@ -368,6 +393,11 @@ double Bundle::evaluate_links() const {
     const Vec15 r = link_residual(link, frames_[static_cast<size_t>(link.from)].trial,
                                   frames_[static_cast<size_t>(link.to)].trial);
     cost += r.dot(weigh(link, r));
+  }
+  for (const WheelLink& link : wheel_links_) {
+    const Vec3 r = link_residual(link, frames_[static_cast<size_t>(link.from)].trial,
+                                 frames_[static_cast<size_t>(link.to)].trial);
+    cost += r.dot(link.information * r);
   }
   if (prior_frame_ >= 0) cost += prior_cost(frames_[static_cast<size_t>(prior_frame_)].trial);
   return cost;

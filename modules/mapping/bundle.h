@@ -1,6 +1,6 @@
 // Visual-inertial bundle adjustment over a few keyframes and their points, in small steps.
-// In      frames (free or fixed), IMU links between free neighbours, a prior, points, observations;
-//         whether all may tilt as one.
+// In      states (free or fixed), IMU links and ways of wheels between free neighbours, a prior,
+//         points, observations; whether all may tilt as one.
 // Out     refined states and points, each point's covariance conditional on all poses, each
 //         observation's residual; given the fixed frames, the covariance of the newest frame (added
 //         last) and of the oldest free one's pose; how both follow a rigid error of all fixed
@@ -20,6 +20,7 @@
 #include "modules/mapping/imu_link.h"
 #include "modules/mapping/mapping_params.h"
 #include "modules/mapping/robust_cost.h"
+#include "modules/mapping/wheel_link.h"
 #include "modules/mapping/window_prior.h"
 
 namespace pirvs {
@@ -36,7 +37,7 @@ class Bundle {
 
   void begin(const Camera* cameras, const ImuNoise& noise, const MappingParams& params);
   int add_frame(const BodyState& state, bool fixed);  // index, or -1; free ones in order of time
-  void link(int from, int to, const Preintegration& motion);
+  void link(int from, int to, const Preintegration& motion, const WheelPath& way);
   void set_prior(int frame, const WindowPrior& prior);
   // Lets all frames, the fixed ones too, and all points tilt as one, about x and y of W through the
   // place of the oldest free frame, as the IMU links and the prior ask for. `information`: what is
@@ -105,7 +106,9 @@ class Bundle {
   void linearize_point(Point& point);
   void eliminate_point(const Point& point);
   void keep_oldest_vision();
+  void add_block(int at_row, int at_column, const Mat15& block);
   void linearize_links();
+  void linearize_wheels();
   void copy_system(double lambda);
   void solve();
   void apply(const double* delta, const Vec2& tilt);
@@ -127,6 +130,7 @@ class Bundle {
   FixedVector<ObservedPixel, kObservationsMax> observations_;
   FixedVector<Share, kSharesMax> shares_;
   FixedVector<ImuLink, kFreeMax + 1> links_;
+  FixedVector<WheelLink, kFreeMax + 1> wheel_links_;
   RobustCost robust_;
   WindowPrior prior_;
   int prior_frame_ = -1;

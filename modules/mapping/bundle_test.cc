@@ -103,7 +103,8 @@ struct Problem {
       ASSERT_EQ(bundle.add_frame(states[i], static_cast<int>(i) < fixed), static_cast<int>(i));
     }
     for (size_t i = 0; i < motions.size(); ++i) {
-      bundle.link(fixed + static_cast<int>(i), fixed + static_cast<int>(i) + 1, motions[i]);
+      bundle.link(fixed + static_cast<int>(i), fixed + static_cast<int>(i) + 1, motions[i],
+                  WheelPath{});
     }
     bundle.set_prior(fixed, prior);
     size_t at = 0;

@@ -16,6 +16,18 @@ struct Pair {
   Vec15 g_a, g_b;
 };
 
+void add_wheels(const WheelLink& link, const BodyState& a, const BodyState& b, Pair& pair) {
+  Vec3x15 J_a, J_b;
+  link_jacobians(link, a, b, J_a, J_b);
+  const Vec3 Wr = link.information * link_residual(link, a, b);
+  const Vec3x15 WJ_b = link.information * J_b;
+  pair.H_aa += J_a.transpose() * (link.information * J_a);
+  pair.H_ab += J_a.transpose() * WJ_b;
+  pair.H_bb += J_b.transpose() * WJ_b;
+  pair.g_a -= J_a.transpose() * Wr;
+  pair.g_b -= J_b.transpose() * Wr;
+}
+
 // Vision's relative pose of b in a. Its residual is chosen so that the gradient of the whole pair
 // vanishes at the adjusted states: at the optimum, vision's gradient is minus that of the IMU link
 // and the prior.
@@ -92,19 +104,19 @@ Mat6 guessed_vision() {
 }
 
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
-                    const BodyState& b, const Preintegration* motion, const Mat6& vision,
+                    const BodyState& b, const Motions* motions, const Mat6& vision,
                     const ImuNoise& noise, const MappingParams& params) {
   WindowPrior next;
   next.sequence = sequence_b;
   next.mean = b;
-  if (motion == nullptr) {
+  if (motions == nullptr) {
     next = start_prior(sequence_b, b, params);
     next.information.block<6, 6>(9, 9) = prior.information.block<6, 6>(9, 9);
     return next;
   }
   Pair pair{prior.information, Mat15::Zero(), Mat15::Zero(),
             prior.gradient - prior.information * boxminus(a, prior.mean), Vec15::Zero()};
-  const ImuLink link = make_link(0, 1, *motion, noise);
+  const ImuLink link = make_link(0, 1, *motions->imu, noise);
   const Vec15 Wr = weigh(link, link_residual(link, a, b));
   Mat15 J_a, J_b;
   link_jacobians(link, a, b, J_a, J_b);
@@ -114,6 +126,9 @@ WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t seque
   pair.H_bb += J_b.transpose() * WJ_b;
   pair.g_a -= J_a.transpose() * Wr;
   pair.g_b -= J_b.transpose() * Wr;
+  if (motions->wheels != nullptr && motions->wheels->holds()) {
+    add_wheels(make_link(0, 1, *motions->wheels), a, b, pair);
+  }
   add_relative_pose(a, b, vision, pair);
 
   const Eigen::LDLT<Mat15> H_aa_solver(pair.H_aa);

@@ -14,6 +14,7 @@
 
 #include "modules/mapping/imu_link.h"
 #include "modules/mapping/mapping_params.h"
+#include "modules/mapping/wheel_link.h"
 
 namespace pirvs {
 
@@ -28,10 +29,14 @@ WindowPrior start_prior(uint32_t sequence, const BodyState& first, const Mapping
                         bool at_rest = false);
 // The same prior in a world that T turns about the vertical and shifts.
 void move(const SE3& T, WindowPrior& prior);
-// `motion`: from the keyframe of `prior` (state a) to the next (state b); nullptr if not linked.
+// `motions`: from the keyframe of `prior` (state a) to the next (state b); nullptr if not linked.
+struct Motions {
+  const Preintegration* imu = nullptr;
+  const WheelPath* wheels = nullptr;  // nullptr: there are none
+};
 // `vision`: information about the pose of a (theta in B, p in W) against all that stays.
 WindowPrior advance(const WindowPrior& prior, const BodyState& a, uint32_t sequence_b,
-                    const BodyState& b, const Preintegration* motion, const Mat6& vision,
+                    const BodyState& b, const Motions* motions, const Mat6& vision,
                     const ImuNoise& noise, const MappingParams& params);
 // For a keyframe that leaves before an adjustment had it as its oldest: a cautious guess.
 Mat6 guessed_vision();

@@ -26,7 +26,10 @@ struct Case {
     motion = sway.between(0.2, 0.5, noise);
     prior = start_prior(7, a, params);
   }
-  WindowPrior advanced() const { return advance(prior, a, 8, b, &motion, vision, noise, params); }
+  WindowPrior advanced() const {
+    const Motions motions{&motion, nullptr};
+    return advance(prior, a, 8, b, &motions, vision, noise, params);
+  }
   Random random;
   Sway sway;
   ImuNoise noise;

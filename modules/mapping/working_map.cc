@@ -21,10 +21,14 @@ Keyframe& WorkingMap::append(const KeyframeMessage& message) {
   fresh.state = message.state;
   pirvs::move(leveled_ * message.leveled.inverse(), fresh.state);  // it may not know of the last
   fresh.from_previous = message.from_previous;
+  fresh.way_from_previous = message.way_from_previous;
   fresh.at_rest = message.at_rest;
   fresh.epoch = message.epoch;
+  if (message.restart || message.join || message.close) drift_ = Drift{};
+  if (!message.drift.isZero(0)) drift_ = {message.sequence, fresh.state.T_WB.p, message.drift};
+  errors_.newest += message.drift;
   fresh.error = errors_.newest;
-  fresh.added = errors_.added;  // until an adjustment knows better
+  fresh.added = errors_.added + message.drift;  // until an adjustment knows better
   fresh.linked =
       message.linked && !message.restart && size() > 0 && newest().sequence + 1 == message.sequence;
   const bool added = order_.push_back(id.value());
@@ -69,6 +73,11 @@ size_t WorkingMap::run_begin() const {
   return i;
 }
 
+Mat6 WorkingMap::drift_since(uint32_t sequence, const Vec3& at) const {
+  if (drift_.sequence <= sequence) return Mat6::Zero();
+  return error_about(at, drift_.at, drift_.error);
+}
+
 // ---- points -----------------------------------------------------------------------------------
 
 void WorkingMap::attach(Observation& sighting, LandmarkId id, Landmark& landmark) {
@@ -98,6 +107,8 @@ void WorkingMap::move(const SE3& T) {
   for (Mat6* error : {&errors_.first, &errors_.newest, &errors_.added}) {
     *error = turned(T, *error);
   }
+  drift_.at = T * drift_.at;
+  drift_.error = turned(T, drift_.error);
 }
 
 void WorkingMap::level(const SE3& T) {

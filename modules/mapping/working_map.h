@@ -22,6 +22,7 @@ struct RunErrors {
   Mat6 first = Mat6::Zero(), newest = Mat6::Zero(), added = Mat6::Zero();
 };
 
+// Many methods: of keyframes, of the run, of points, a line or a few each.
 class WorkingMap {
  public:
   // ---- keyframes ----
@@ -40,6 +41,8 @@ class WorkingMap {
   void begin_run(const KeyframeMessage& first);
   uint32_t run_sequence() const { return run_sequence_; }  // of its first keyframe
   size_t run_begin() const;                                // place of that keyframe
+  // Of a place, if dead reckoning brought the run there since keyframe `sequence`; else 0.
+  Mat6 drift_since(uint32_t sequence, const Vec3& at) const;
   RunErrors& errors() { return errors_; }
   const RunErrors& errors() const { return errors_; }
 
@@ -73,6 +76,12 @@ class WorkingMap {
   FixedVector<KeyframeId, kKeyframesMax> order_;  // live keyframes, oldest first
   uint32_t run_sequence_ = 0;
   RunErrors errors_;
+  struct Drift {
+    uint32_t sequence = 0;  // of the first keyframe after it; 0: none that is not made up for
+    Vec3 at = Vec3::Zero();
+    Mat6 error = Mat6::Zero();
+  };
+  Drift drift_;
   SE3 leveled_;
   void (*removed_sink_)(void*, const BodyState&) = nullptr;
   void* removed_context_ = nullptr;

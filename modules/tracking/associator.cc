@@ -153,6 +153,27 @@ Correspondences& Associator::collect(double sigma_px, const RecentFrames& frames
   return correspondences_;
 }
 
+int Associator::known_tracks() const {
+  int count = 0;
+  for (int c = 0; c < cameras_; ++c) {
+    for (const Track& track : tracks(c)) count += point(c, track) != nullptr ? 1 : 0;
+  }
+  return count;
+}
+
+int Associator::lasting_tracks(int c) const {
+  constexpr int kFrames = 4;
+  int count = 0;
+  for (const Track& track : tracks(c)) count += track.age >= kFrames ? 1 : 0;
+  return count;
+}
+
+int Associator::lasting_tracks() const {
+  int most = 0;
+  for (int c = 0; c < cameras_; ++c) most = std::max(most, lasting_tracks(c));
+  return most;
+}
+
 int Associator::occupied_cells() const {
   int most = 0;
   for (int c = 0; c < cameras_; ++c) {

@@ -23,6 +23,7 @@ struct SeenPoint {
   double sigma_m = 0;  // root of the mean variance of its axes
 };
 
+// Many methods: what tracks and landmarks are asked together, a few lines each.
 class Associator {
  public:
   // `cameras` and `frontends`: kCamerasMax of them, of which the first `count` exist. The
@@ -63,6 +64,9 @@ class Associator {
   Correspondences& collect(double sigma_px, const RecentFrames& frames, uint32_t frame);
   // Of the last collect(), after the filter gated them: image cells with an accepted one, in the
   // camera that has more.
+  int known_tracks() const;         // that show a point of the map
+  int lasting_tracks(int c) const;  // that are more than noise
+  int lasting_tracks() const;       // of the camera with more of them
   int occupied_cells() const;
   // Drops tracks that were gated out more than misses_max times in a row. Returns how many.
   int drop_misfits(float misses_max);

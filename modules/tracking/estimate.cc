@@ -1,5 +1,11 @@
 #include "modules/tracking/estimate.h"
 
+#include <algorithm>
+
+#include <Eigen/LU>
+
+#include "core/math/so3.h"
+
 namespace pirvs {
 
 void Estimate::configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
@@ -8,6 +14,23 @@ void Estimate::configure(const Camera* cameras, const ImuNoise& noise, const Fil
   filter_.tell(&self_calibration_);
   cov_scale_ = cov_scale;
   history_ = history;
+}
+
+void Estimate::configure_wheels(const SE3& T_BV, const WheelParams& params,
+                                const WheelHistory* wheels) {
+  T_BV_ = T_BV;
+  wheel_params_ = params;
+  wheels_ = wheels;
+}
+
+void Estimate::advance(TimeNs t) {
+  for (size_t i = wheels_->first_after(filter_.state().t); i < wheels_->end(); ++i) {
+    const WheelHistory::Entry& entry = (*wheels_)[i];
+    if (entry.sample_t > t) break;
+    filter_.propagate_until(entry.sample_t, *history_);
+    if (!entry.slips) (void)update_wheel(entry.velocity, true);
+  }
+  filter_.propagate_until(t, *history_);
 }
 
 void Estimate::begin(const BodyState& state, const Mat15& cov) {
@@ -53,6 +76,34 @@ void Estimate::stand_still(const StandstillDetector& standstill) {
   } else {
     filter_.update_standstill(standstill.mean_rate_B());
   }
+}
+
+int Estimate::update_if_agreed(Correspondences& correspondences, int wanted) {
+  constexpr double kShare = 0.6;
+  const BodyState state = filter_.state();
+  const Mat15 cov = filter_.cov();
+  const int accepted = filter_.update(correspondences);
+  const int most = static_cast<int>(kShare * static_cast<double>(correspondences.size()));
+  if (filter_.agreeing(correspondences) >= std::max(wanted, most)) return accepted;
+  filter_.reset(state, cov);
+  filter_.propagate(history_->newest());
+  return 0;
+}
+
+bool Estimate::unsure() const {
+  constexpr double kUnsure_m = 0.05, kUnsure_rad = 0.02;
+  const auto& sigma2 = filter_.cov().diagonal();
+  return sigma2.segment<3>(kPos).maxCoeff() > kUnsure_m * kUnsure_m ||
+         sigma2.segment<3>(kTheta).maxCoeff() > kUnsure_rad * kUnsure_rad;
+}
+
+bool Estimate::plausible(const SE3& T_WB, const Mat6& cov) const {
+  constexpr double kChi2_max =
+      50;  // of 6, five sigmas and more: dead reckoning errs by more than noise
+  Vec6 off;
+  off << so3_log(filter_.state().T_WB.R.transpose() * T_WB.R), T_WB.p - filter_.state().T_WB.p;
+  const Mat6 S = pose_cov() + cov;
+  return off.dot(S.inverse() * off) < kChi2_max;
 }
 
 void Estimate::note_rest() {

@@ -12,6 +12,7 @@
 #include "modules/map/map_error.h"
 #include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
+#include "modules/wheels/wheel_history.h"
 
 namespace pirvs {
 
@@ -19,14 +20,21 @@ class Estimate {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                  double cov_scale, const ImuHistory* history);
+  // T_BV: wheel_calibration.h.
+  void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels);
   // A start: the newest sample's time is that of `state`.
   void begin(const BodyState& state, const Mat15& cov);
   void propagate(const ImuSample& sample) { filter_.propagate(sample); }
 
+  WheelVerdict update_wheel(const WheelVelocity& wheel, bool again = false) {
+    return filter_.update_wheel(wheel, T_BV_, wheel_params_, again);
+  }
+
   // A keyframe of the past is `refined` after an adjustment: goes on from there. advance() takes it
-  // to each frame since then, whose correspondences are fused once more, and to the newest sample.
+  // to each frame since then, whose correspondences are fused once more, and to the newest sample,
+  // with the wheels' speeds on the way.
   bool restart(const BodyState& refined, const Mat15& cov);
-  void advance(TimeNs t) { filter_.propagate_until(t, *history_); }
+  void advance(TimeNs t);
   // The map was moved by T, and the body with it.
   void carry_over(const SE3& T);
   // The place was recognised: the pose is T_WB, as uncertain as that, and depends on nothing else.
@@ -42,6 +50,13 @@ class Estimate {
   int update(Correspondences& correspondences, bool again = false) {
     return filter_.update(correspondences, again);
   }
+  // The same where the pose is so uncertain that wrong matches may fit one by one: `wanted` and
+  // most of them have to agree on where it is. Else nothing changes, and 0 is returned.
+  int update_if_agreed(Correspondences& correspondences, int wanted);
+  // The pose is off by so much that what is near may be taken for something else.
+  bool unsure() const;
+  // T_WB lies within what dead reckoning allows.
+  bool plausible(const SE3& T_WB, const Mat6& cov) const;
   // After what is seen was fused: the next frame at rest goes on from here.
   void note_rest();
   void end_frame() { T_WB_last_frame_ = filter_.state().T_WB; }
@@ -60,6 +75,9 @@ class Estimate {
   Filter filter_;
   SelfCalibration self_calibration_;
   const ImuHistory* history_ = nullptr;
+  const WheelHistory* wheels_ = nullptr;
+  SE3 T_BV_;
+  WheelParams wheel_params_;
   double cov_scale_ = 1;
   MapError map_error_;
   SE3 T_WB_last_frame_;

@@ -5,6 +5,7 @@
 
 #include <Eigen/LU>
 
+#include "core/math/square.h"
 #include "modules/imu/propagation.h"
 
 namespace pirvs {
@@ -73,6 +74,17 @@ int Filter::gate(Correspondences& correspondences) const {
     if (c.gate == Gate::kAccepted) ++accepted;
   }
   return accepted;
+}
+
+int Filter::agreeing(const Correspondences& correspondences) const {
+  int agree = 0;
+  for (const Correspondence& c : correspondences) {
+    Reprojection m;
+    if (c.gate != Gate::kAccepted || !linearize(state_, c, m)) continue;
+    const Mat2 S = m.J * cov_.topLeftCorner<6, 6>() * m.J.transpose() + m.R;
+    agree += m.r.dot(S.inverse() * m.r) < params_.chi2_max ? 1 : 0;
+  }
+  return agree;
 }
 
 PoseInformation Filter::linearize(const BodyState& at,
@@ -144,6 +156,32 @@ void Filter::fuse(const Linear<N>& m) {
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
 }
 
+WheelVerdict Filter::update_wheel(const WheelVelocity& wheel, const SE3& T_BV,
+                                  const WheelParams& params, bool again) {
+  const double correlated_s = params.correlated_s;
+  const Linear<3> speed = linearize_wheel_speed(state_, last_, wheel, T_BV, correlated_s);
+  if (!fuse_wheel(speed, per_wheel_scale(wheel, correlated_s), params, again)) {
+    return WheelVerdict::kSlips;
+  }
+  if (!wheel.has_turn) return WheelVerdict::kUsed;
+  const Linear<1> turn = linearize_wheel_turn(state_, last_, wheel, T_BV, correlated_s);
+  return fuse_wheel(turn, Eigen::Matrix<double, 1, 1>(0.0), params, again) ? WheelVerdict::kUsed
+                                                                           : WheelVerdict::kSkids;
+}
+
+template <int N>
+bool Filter::fuse_wheel(const Linear<N>& m, const Eigen::Matrix<double, N, 1>& per_scale,
+                        const WheelParams& params, bool again) {
+  using MatN = Eigen::Matrix<double, N, N>;
+  const MatN S = m.H * cov_ * m.H.transpose() + m.sigma * m.sigma * MatN::Identity();
+  const MatN S_inverse = S.inverse();
+  if (m.r.dot(S_inverse * m.r) > params.chi2_max) return false;
+  const Eigen::Matrix<double, 15, N> K = cov_ * m.H.transpose() * S_inverse;
+  if (listener_ != nullptr) listener_->update(m, per_scale, S_inverse, K, again);
+  fuse(m);
+  return true;
+}
+
 void Filter::update_standstill(const Vec3& w_mean_B) {
   fuse(linearize_zero_velocity(state_, params_.standstill_sigma_m_s));
   fuse(linearize_zero_rate(state_, w_mean_B, params_.standstill_sigma_rad_s));
@@ -153,7 +191,6 @@ void Filter::update_standstill(const Vec3& w_mean_B) {
 // for what detection may overlook, and velocity is zero by what rest means.
 void Filter::hold(const BodyState& state, const Mat15& cov, const Vec3& w_mean_B,
                   const Vec3& f_mean_B) {
-  const auto square = [](double x) { return x * x; };
   const TimeNs t = state_.t;
   const double dt = to_seconds(t - state.t);
   state_ = state;

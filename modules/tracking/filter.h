@@ -15,6 +15,7 @@
 #include "modules/map/map.h"
 #include "modules/tracking/mm_reprojection.h"
 #include "modules/tracking/mm_standstill.h"
+#include "modules/tracking/mm_wheel.h"
 #include "modules/tracking/self_calibration.h"
 #include "modules/tracking/tracking_params.h"
 
@@ -26,6 +27,13 @@ using Correspondences = FixedVector<Correspondence, kCamerasMax * kTracksMax>;
 // rejects what does not fit.
 struct PoseGuess {
   double sigma_rad, sigma_m, tighter;
+};
+
+// What the filter made of a speed.
+enum class WheelVerdict : uint8_t {
+  kUsed,
+  kSlips,  // refused: it is not the body's
+  kSkids,  // the speed is used, the turn rate refused
 };
 
 class Filter {
@@ -45,8 +53,13 @@ class Filter {
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
   // again: they were fused before, and the listener has counted them.
   int update(Correspondences& correspondences, bool again = false);
+  // How many of the accepted still fit the pose that they have led to.
+  int agreeing(const Correspondences& correspondences) const;
   // From a pose alone: reset() and update(), loosely, then tightly. Returns how many were accepted.
   int locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& correspondences);
+  // The body goes as its wheels say, measured about now.
+  WheelVerdict update_wheel(const WheelVelocity& wheel, const SE3& T_BV, const WheelParams& params,
+                            bool again = false);
   // As rest begins: 0 = v_WB + n and w_B = b_g + n.
   void update_standstill(const Vec3& w_mean_B);
   // As rest goes on: pose and velocity stay those of `state` with `cov`; dead reckoning since then
@@ -62,6 +75,9 @@ class Filter {
   PoseInformation linearize(const BodyState& at, const Correspondences& correspondences) const;
   template <int N>
   void fuse(const Linear<N>& m);
+  template <int N>
+  bool fuse_wheel(const Linear<N>& m, const Eigen::Matrix<double, N, 1>& per_scale,
+                  const WheelParams& params, bool again);
 
   Camera camera_[kCamerasMax];
   SE3 T_CB_[kCamerasMax];

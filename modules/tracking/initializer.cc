@@ -21,7 +21,7 @@ void Initializer::configure(const Camera* cameras, int count, const ImuNoise& no
 
 void Initializer::interrupt() {
   starter_.reset();
-  last_pair_t_ = 0;
+  last_pair_t_ = pairless_t_ = 0;
   R_BlBn_.setIdentity();
 }
 
@@ -47,11 +47,24 @@ void Initializer::note_seen(TimeNs t, uint8_t seen) {
   if (seen == kBothSee || last_pair_t_ == 0) last_pair_t_ = t;
 }
 
-// A pair gives depth at once, so one camera alone is looked through only when the other stays away.
-Status Initializer::add_frame(TimeNs t, uint8_t seen, const StandstillDetector& standstill,
+// Where both see, but for long nothing that is the same (a cap, a wall close by, an extrinsic that
+// is wrong), the camera alone that follows more.
+uint8_t Initializer::cameras_for(TimeNs t, uint8_t seen, const Associator& associator) const {
+  const bool pairless =
+      pairless_t_ != 0 && to_seconds(t - pairless_t_) > params_.start_mono_after_s;
+  if (seen != kBothSee || !pairless) return seen;
+  if (!starter_.idle() && start_cameras_ != kBothSee) return start_cameras_;
+  return associator.lasting_tracks(0) >= associator.lasting_tracks(1) ? kLeftAlone : kRightAlone;
+}
+
+// A pair gives depth at once, so one camera alone is looked through only when the other stays away
+// or is of no use.
+Status Initializer::add_frame(TimeNs t, uint8_t seen_by, const StandstillDetector& standstill,
                               Keyframer& keyframer, Associator& associator) {
+  const uint8_t seen = cameras_for(t, seen_by, associator);
   const bool alone = seen == kLeftAlone || seen == kRightAlone;
-  const bool waits = cameras_ > 1 && to_seconds(t - last_pair_t_) < params_.start_mono_after_s;
+  const bool waits =
+      cameras_ > 1 && seen == seen_by && to_seconds(t - last_pair_t_) < params_.start_mono_after_s;
   if (seen == 0 || (alone && waits)) return Status::kEmpty;
   if (!starter_.idle() && seen != start_cameras_) starter_.reset();
   start_cameras_ = seen;
@@ -64,10 +77,16 @@ Status Initializer::add_frame(TimeNs t, uint8_t seen, const StandstillDetector& 
   }
   if (alone) {
     const int c = seen == kRightAlone ? 1 : 0;
-    return starter_.add_mono_frame(t, c, observations, standstill, origin_);
+    const Status status = starter_.add_mono_frame(t, c, observations, standstill, origin_);
+    if (status != Status::kEmpty) pairless_t_ = 0;  // pairs have their turn again
+    return status;
   }
-  return starter_.add_frame(t, associator.tracks(0), associator.tracks(1), observations, standstill,
-                            origin_);
+  const Status status = starter_.add_frame(t, associator.tracks(0), associator.tracks(1),
+                                           observations, standstill, origin_);
+  const bool none = status == Status::kStale && starter_.idle();
+  if (!none) pairless_t_ = 0;
+  if (none && pairless_t_ == 0) pairless_t_ = t;
+  return status;
 }
 
 Mat6 Initializer::origin_error(TimeNs t) const {

@@ -19,6 +19,9 @@ class Initializer {
   void configure(const Camera* cameras, int count, const ImuNoise& noise,
                  const FilterParams& filter, const TrackerParams& params,
                  const ImuHistory* history);
+  void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels) {
+    starter_.configure_wheels(T_BV, params, wheels);
+  }
   // Time does not go on: the attempt under way is none.
   void interrupt();
   // Tracking was lost there; the next start continues that place.
@@ -42,11 +45,14 @@ class Initializer {
   Mat6 origin_error(TimeNs t) const;
 
  private:
+  uint8_t cameras_for(TimeNs t, uint8_t seen, const Associator& associator) const;
+
   Starter starter_;
   int cameras_ = kCamerasMax;
   TrackerParams params_;
   uint8_t start_cameras_ = 0;  // that the attempt looks through, a bit each
   TimeNs last_pair_t_ = 0;     // when both cameras last saw something
+  TimeNs pairless_t_ = 0;      // since when both see, but nothing that both see; 0: not so
   SE3 origin_;                 // where a start continues
   Mat6 origin_error_ = Mat6::Zero();
   TimeNs origin_t_ = 0;

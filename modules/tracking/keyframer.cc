@@ -14,9 +14,22 @@ void Keyframer::configure(const Camera* cameras, const ImuNoise& noise, const Tr
   stereo_.configure(cameras[0], cameras[1], stereo);
 }
 
+void Keyframer::configure_wheels(const SE3& T_BV, const WheelParams& params) {
+  T_BV_ = T_BV;
+  wheel_params_ = params;
+}
+
 void Keyframer::integrate(const ImuSample& before, const ImuSample& now) {
-  since_last_.add(before.w_B, before.f_B, now.w_B, now.f_B, to_seconds(now.t - before.t),
+  const Mat3 dR_before = since_last_.dR;
+  const double dt_s = to_seconds(now.t - before.t);
+  since_last_.add(before.w_B, before.f_B, now.w_B, now.f_B, dt_s,
                   bridged(noise_, static_cast<double>(now.gap_s)));
+  way_.turn(dR_before, since_last_, dt_s);
+}
+
+void Keyframer::begin_motion(const Vec3& b_g, const Vec3& b_a) {
+  since_last_.reset(b_g, b_a);
+  way_.reset(T_BV_, wheel_params_.correlated_s, wheel_params_.scale_sigma);
 }
 
 bool Keyframer::rest_due(TimeNs t) const {
@@ -143,8 +156,11 @@ KeyframeMessage* Keyframer::begin(const BodyState& state, bool at_rest, uint16_t
   message->leveled = seen.map().leveled();
   observe(seen, message->observations);
   message->from_previous = since_last_;
+  way_.end();
+  message->way_from_previous = way_;
   message->linked = message->adjust = true;
   message->restart = message->renew = message->join = message->close = false;
+  message->drift.setZero();
   message->at_rest = at_rest;
   message->epoch = epoch;
   return message;
@@ -154,7 +170,7 @@ KeyframeMessage* Keyframer::begin(const BodyState& state, bool at_rest, uint16_t
 void Keyframer::end(const KeyframeMessage& message, const BodyState& state) {
   last_ = message.state;
   ring_->end_push();
-  since_last_.reset(state.b_g, state.b_a);
+  begin_motion(state.b_g, state.b_a);
 }
 
 bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, const Mat6& error,
@@ -174,7 +190,7 @@ bool Keyframer::send_start(const StartKeyframes& keyframes, uint16_t epoch, cons
     ring_->end_push();
   }
   last_ = keyframes.back().state;
-  since_last_.reset(last_.b_g, last_.b_a);
+  begin_motion(last_.b_g, last_.b_a);
   return true;
 }
 

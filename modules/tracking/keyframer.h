@@ -15,14 +15,17 @@
 
 namespace pirvs {
 
+// Many methods: of messages and of pairs, a line or a few each.
 class Keyframer {
  public:
   // Goes on counting.
   explicit Keyframer(const CounterArray<StereoLoss>& pairs = {}) : stereo_(pairs) {}
   void configure(const Camera* cameras, const ImuNoise& noise, const TrackerParams& params,
                  const StereoParams& stereo, KeyframeRing* ring);
-  // Motion since the last keyframe, from one sample to the next.
+  void configure_wheels(const SE3& T_BV, const WheelParams& params);
+  // Motion since the last keyframe, from one sample to the next, and the wheels' speed after it.
   void integrate(const ImuSample& before, const ImuSample& now);
+  void note_wheels(const WheelVelocity& velocity, bool slips) { way_.speed(velocity, slips); }
 
   // For the tracks of camera `c`: has the body moved far enough, or are too few of them known?
   bool due(TimeNs t, const SE3& T_WB, int c, const Associator& seen) const;
@@ -61,6 +64,7 @@ class Keyframer {
   bool has_room(size_t keyframes) const {
     return sequence_ - mapped_ + keyframes <= KeyframeRing::capacity();
   }
+  void begin_motion(const Vec3& b_g, const Vec3& b_a);
   void pair(int from, size_t index, const SE3* T_CW_to, Associator& seen);
   bool find_counterpart(int from, const Track& track, const SE3* T_CW_to, Associator& seen,
                         Vec2& uv_to);
@@ -77,6 +81,9 @@ class Keyframer {
   };
   FixedVector<StereoPair, kTracksMax> pairs_;
   Preintegration since_last_;
+  SE3 T_BV_;
+  WheelParams wheel_params_;
+  WheelPath way_;  // since the last keyframe
   BodyState last_;
   uint32_t sequence_ = 0, mapped_ = 0, dropped_ = 0;
 };

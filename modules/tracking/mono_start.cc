@@ -8,6 +8,7 @@
 #include <Eigen/LU>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "modules/imu/gravity.h"
 #include "modules/tracking/epipolar.h"
 
@@ -25,6 +26,7 @@ constexpr double kGyroBias_rad_s_max = 0.5;
 constexpr double kGyroBiasSigma_rad_s = 0.1;
 constexpr double kAccelBiasSigma_m_s2 = 0.2;
 constexpr double kDistance_m_min = 0.05;  // nearer points are wrong
+constexpr double kWay_m = 0.005;          // vibration, on top of what wheels are told to err
 constexpr double kCaution2 = 4.0;         // twice the formal sigma: samples have errors, too
 
 double huber_cost(double e2) {
@@ -65,27 +67,43 @@ void MonoStarter::configure(const Camera& camera, int index, const ImuNoise& noi
   params_ = params;
 }
 
-Status MonoStarter::solve(const ImuHistory& imu, const StartKeyframes& keyframes, MonoStart& out) {
+Status MonoStarter::solve(const ImuHistory& imu, const Wheels& wheels,
+                          const StartKeyframes& keyframes, MonoStart& out) {
   out = MonoStart{};
   gather(keyframes);
   if (frames_.size() < 4 || tracks_.size() < kTracksMin) return Status::kEmpty;
   if (!solve_gyro_bias(imu, out.b_g)) return Status::kStale;
-  for (Frame& frame : frames_) {
-    frame.motion = integrate(imu, frames_[0].t, frame.t, out.b_g, out.b_a, noise_);
-  }
+  integrate_all(imu, wheels, out);
   if (drop_still_tracks() < kTracksMin) return Status::kEmpty;
   if (!solve_linear(imu, out)) return Status::kStale;
   for (int round = 0; round < 2; ++round) {
     if (!refine(out) || drop_misfits(out) < kTracksMin) return Status::kStale;
-    for (Frame& frame : frames_) {
-      frame.motion = integrate(imu, frames_[0].t, frame.t, out.b_g, out.b_a, noise_);
-    }
+    integrate_all(imu, wheels, out);
   }
   if (!refine(out) || drop_misfits(out) < kTracksMin) return Status::kStale;
   if (out.residual_px > kResidual_px_max || out.b_g.norm() > kGyroBias_rad_s_max) {
     return Status::kStale;
   }
   return out.scale_sigma < params_.start_scale_sigma_max ? Status::kOk : Status::kBadData;
+}
+
+void MonoStarter::integrate_all(const ImuHistory& imu, const Wheels& wheels, const MonoStart& at) {
+  for (Frame& frame : frames_) {
+    frame.motion = integrate(imu, frames_[0].t, frame.t, at.b_g, at.b_a, noise_);
+  }
+  way_information_.setZero();
+  if (wheels.history == nullptr) return;
+  way_ =
+      integrate(imu, *wheels.history, frames_[0].t, frames_.back().t, at.b_g, noise_, wheels.path);
+  if (!way_.holds()) return;
+  const Mat3 floor = square(kWay_m) * Mat3::Identity();
+  way_information_ = (way_.covariance() + floor).inverse();
+}
+
+// By the wheels, less that of the unknowns: zero where they agree.
+Vec3 MonoStarter::way_residual(const MonoStart& at) const {
+  const SE3 T = pose(at, static_cast<int>(frames_.size()) - 1);
+  return way_.way_B0 + way_.dway_dbg * (at.b_g - way_.b_g) - (T.p + T.R * way_.p_BV - way_.p_BV);
 }
 
 void MonoStarter::gather(const StartKeyframes& keyframes) {
@@ -207,6 +225,19 @@ bool MonoStarter::solve_linear(const ImuHistory& imu, MonoStart& out) {
   return good >= kTracksMin;
 }
 
+// The wheels' way is v0 t + g t^2 / 2 and what rotation and force add; in the units of sightings.
+void MonoStarter::add_way(bool weighted, Mat6& H, Vec6& rhs) const {
+  constexpr double kDistance_m = 3;  // as a guess
+  const Preintegration& m = frames_.back().motion;
+  const double sighting = kSigma_px / camera_.fx * (weighted ? 1 : kDistance_m);
+  Mat36 B;
+  B.leftCols<3>() = Mat3::Identity() * m.dt_s;
+  B.rightCols<3>() = Mat3::Identity() * (0.5 * m.dt_s * m.dt_s);
+  const Mat63 BtW = square(sighting) * B.transpose() * way_information_;
+  H += BtW * B;
+  rhs += BtW * (way_.way_B0 + way_.p_BV - m.dR * way_.p_BV - m.dp);
+}
+
 // (I - u u') (p - v0 t - g t^2 / 2 - a_k) = 0 for every sighting, u its direction in B0 and a_k the
 // place of the camera by rotation and force alone; each point eliminated. Weighted: by the inverse
 // distance that the last pass found, which makes a distance an angle. Returns < 0: not solvable.
@@ -245,6 +276,7 @@ double MonoStarter::linear_pass(const Vec3& g_start_B0, bool weighted, Vec3& v_B
     H += H_xx - H_xp * inverse * H_xp.transpose();
     rhs += b_x - H_xp * inverse * b_p;
   }
+  add_way(weighted, H, rhs);
   Vec6 x;
   x << Vec3::Zero(), g_start_B0;
   for (int iteration = 0; iteration < 8; ++iteration) {
@@ -323,12 +355,21 @@ double MonoStarter::linearize(const MonoStart& at, MonoStart::Mat& H, Vec& b) {
   H.diagonal().segment<3>(MonoStart::kBa).array() += w_a;
   b.segment<3>(MonoStart::kBg) -= w_g * at.b_g;
   b.segment<3>(MonoStart::kBa) -= w_a * at.b_a;
+  const Preintegration& last = frames_.back().motion;
+  Eigen::Matrix<double, 3, MonoStart::kUnknowns> J_way = place_jacobian(at, last);
+  J_way.middleCols<3>(MonoStart::kBg) -= last.dR * skew(way_.p_BV) * last.dR_dbg + way_.dway_dbg;
+  const Vec3 r_way = way_residual(at);
+  H += J_way.transpose() * way_information_ * J_way;
+  b += J_way.transpose() * way_information_ * r_way;
+  sum += r_way.dot(way_information_ * r_way);
   return sum + w_g * at.b_g.squaredNorm() + w_a * at.b_a.squaredNorm();
 }
 
 double MonoStarter::cost(const MonoStart& at) const {
   double sum = at.b_g.squaredNorm() / (kGyroBiasSigma_rad_s * kGyroBiasSigma_rad_s) +
                at.b_a.squaredNorm() / (kAccelBiasSigma_m_s2 * kAccelBiasSigma_m_s2);
+  const Vec3 r_way = way_residual(at);
+  sum += r_way.dot(way_information_ * r_way);
   SE3 T_CB0[kFramesMax];
   for (size_t k = 0; k < frames_.size(); ++k) {
     T_CB0[k] = T_CB_ * pose(at, static_cast<int>(k)).inverse();

@@ -1,6 +1,6 @@
 // Metric start from one moving camera and the IMU: gyro bias, velocity, gravity and scale.
 // In      keyframes (their observations in one camera, times) over one to two seconds; the samples
-//         between the first and the last.
+//         between the first and the last; the wheels' speeds, which tell the scale at once.
 // Out     MonoStart: what the first keyframe's body moved by and how sure that is. Found in three
 //         steps: the gyro bias from epipolar geometry; velocity, gravity and points from a linear
 //         system; all of them and the accelerometer bias by least squares on the image.
@@ -19,6 +19,7 @@
 #include "modules/map/messages.h"
 #include "modules/tracking/epipolar.h"
 #include "modules/tracking/tracking_params.h"
+#include "modules/wheels/wheel_history.h"
 
 namespace pirvs {
 
@@ -39,7 +40,13 @@ class MonoStarter {
  public:
   void configure(const Camera& camera, int index, const ImuNoise& noise,
                  const TrackerParams& params);
-  Status solve(const ImuHistory& imu, const StartKeyframes& keyframes, MonoStart& out);
+  // Of a vehicle, if there are any; a path as it begins.
+  struct Wheels {
+    const WheelHistory* history = nullptr;
+    WheelPath path;
+  };
+  Status solve(const ImuHistory& imu, const Wheels& wheels, const StartKeyframes& keyframes,
+               MonoStart& out);
 
  private:
   static constexpr int kFramesMax = static_cast<int>(StartKeyframes::capacity());
@@ -64,11 +71,14 @@ class MonoStarter {
   };
   using Vec = Eigen::Matrix<double, MonoStart::kUnknowns, 1>;
 
+  void integrate_all(const ImuHistory& imu, const Wheels& wheels, const MonoStart& at);
+  Vec3 way_residual(const MonoStart& at) const;
   void gather(const StartKeyframes& keyframes);
   int drop_still_tracks();
   bool solve_gyro_bias(const ImuHistory& imu, Vec3& b_g) const;
   bool add_epipolar_pair(int i, int j, const Preintegration& motion, Mat3& H, Vec3& g) const;
   bool solve_linear(const ImuHistory& imu, MonoStart& out);
+  void add_way(bool weighted, Mat6& H, Vec6& rhs) const;
   double linear_pass(const Vec3& g_start_B0, bool weighted, Vec3& v_B0, Vec3& g_B0);
   bool refine(MonoStart& out);
   SE3 pose(const MonoStart& at, int frame) const;
@@ -84,6 +94,8 @@ class MonoStarter {
   TrackerParams params_;
   FixedVector<Frame, kFramesMax> frames_;
   FixedVector<Track, kTracksSeen> tracks_;
+  WheelPath way_;  // from the first frame to the last, if it holds
+  Mat3 way_information_ = Mat3::Zero();
 };
 
 // The covariance of the state at keyframe k, error order of BodyState; place and heading of the

@@ -43,7 +43,7 @@ struct Case {
     }
     for (int k = 0; k < count; ++k) add_keyframe(k * kKeyframe_s, camera);
     solver->configure(rig.camera[camera], camera, ImuNoise{}, TrackerParams{});
-    return solver->solve(*imu, keyframes, start);
+    return solver->solve(*imu, {}, keyframes, start);
   }
   void add_keyframe(double t_s, int camera) {
     KeyframeMessage& message = *keyframes.append();

@@ -3,14 +3,15 @@
 #include <algorithm>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 #include "modules/imu/gravity.h"
 
 namespace pirvs {
 namespace {
 
-constexpr double kBegin_s = 0.1, kBegin_rad = 0.1;  // sigmas of what nothing is known of
-constexpr double kMemory_s = 60;                    // what was seen longer ago counts little
-constexpr double kStep_s = 0.5;                     // a longer gap counts as so much
+constexpr double kBegin_s = 0.1, kBegin_rad = 0.1, kBegin_scale = 0.1;  // sigmas of the unknown
+constexpr double kMemory_s = 60;  // what was seen longer ago counts little
+constexpr double kStep_s = 0.5;   // a longer gap counts as so much
 
 }  // namespace
 
@@ -48,13 +49,13 @@ void SelfCalibration::update(const PoseInformation& seen, const Eigen::PartialPi
 }
 
 SelfCalibration::Estimate SelfCalibration::estimate() const {
-  const auto square = [](double x) { return x * x; };
   MatN all = information_;
   all(0, 0) += 1 / square(kBegin_s);
-  all.diagonal().tail<3>().array() += 1 / square(kBegin_rad);
+  all.diagonal().segment<3>(1).array() += 1 / square(kBegin_rad);
+  all(kScale, kScale) += 1 / square(kBegin_scale);
   const MatN cov = all.inverse();
   const VecN x = cov * score_, sigma = cov.diagonal().cwiseSqrt();
-  return {x[0], sigma[0], x.tail<3>(), sigma.tail<3>()};
+  return {x[0], sigma[0], x.segment<3>(1), sigma.segment<3>(1), x[kScale], sigma[kScale]};
 }
 
 // Little by little: the filter has to follow, and its next residuals tell what is left.
@@ -69,6 +70,15 @@ TimeNs SelfCalibration::correct_time() {
   const double kept = 1 - std::abs(step_s) / kForget_s;
   information_ *= kept;
   score_ *= kept;
+  return step;
+}
+
+double SelfCalibration::correct_scale() {
+  constexpr double kSure = 4e-3, kShare = 0.02;
+  const Estimate now = estimate();
+  if (now.scale_sigma > kSure) return 0;
+  const double step = kShare * now.scale;
+  score_ -= information_.col(kScale) * step;
   return step;
 }
 

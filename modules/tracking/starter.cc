@@ -63,6 +63,12 @@ void Starter::configure(const Camera* cameras, const ImuNoise& noise, const Filt
   reset();
 }
 
+void Starter::configure_wheels(const SE3& T_BV, const WheelParams& params,
+                               const WheelHistory* wheels) {
+  no_way_.reset(T_BV, params.correlated_s, params.scale_sigma);
+  wheels_ = wheels;
+}
+
 void Starter::reset() {
   frames_.clear();
   points_[0].clear();
@@ -172,6 +178,11 @@ Preintegration Starter::between(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
   return integrate(*imu_, t0, t1, b_g, Vec3::Zero(), noise_);
 }
 
+WheelPath Starter::way_between(TimeNs t0, TimeNs t1, const Vec3& b_g) const {
+  if (wheels_ == nullptr) return no_way_;
+  return integrate(*imu_, *wheels_, t0, t1, b_g, noise_, no_way_);
+}
+
 bool Starter::solve_gyro_bias(Vec3& b_g) const {
   b_g.setZero();
   for (int iteration = 0; iteration < 2; ++iteration) {
@@ -252,7 +263,9 @@ Status Starter::finish(const SE3& origin) {
     message.state.b_a.setZero();
   }
   for (size_t i = 1; i < keyframes_.size(); ++i) {
-    keyframes_[i].from_previous = between(keyframes_[i - 1].state.t, keyframes_[i].state.t, b_g);
+    const TimeNs t0 = keyframes_[i - 1].state.t, t1 = keyframes_[i].state.t;
+    keyframes_[i].from_previous = between(t0, t1, b_g);
+    keyframes_[i].way_from_previous = way_between(t0, t1, b_g);
   }
   seal_keyframes();
   cov_ = start_cov(at_rest_);
@@ -300,7 +313,8 @@ Status Starter::add_mono_frame(TimeNs t, int c, const Observations* keyframe,
     return Status::kOk;
   }
   MonoStart start;
-  if (mono_[c].solve(*imu_, keyframes_, start) != Status::kOk) return Status::kEmpty;
+  const MonoStarter::Wheels wheels{wheels_, no_way_};
+  if (mono_[c].solve(*imu_, wheels, keyframes_, start) != Status::kOk) return Status::kEmpty;
   finish_mono(start, origin);
   return Status::kOk;
 }
@@ -328,6 +342,7 @@ void Starter::finish_mono(const MonoStart& start, const SE3& origin) {
     if (i == 0) continue;
     message.from_previous =
         integrate(*imu_, keyframes_[i - 1].state.t, t, start.b_g, start.b_a, noise_);
+    message.way_from_previous = way_between(keyframes_[i - 1].state.t, t, start.b_g);
   }
   seal_keyframes();
   cov_ = mono_start_cov(start, motion, R_WB0);

@@ -20,11 +20,13 @@
 
 namespace pirvs {
 
+// Many methods: the steps of two kinds of start over the same frames.
 class Starter {
  public:
   static constexpr int kKeyframesMax = static_cast<int>(StartKeyframes::capacity());
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                  const TrackerParams& params, const ImuHistory* imu);
+  void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels);
   void reset();
 
   // True when this frame should become a keyframe of the start (its stereo matches are needed).
@@ -69,6 +71,7 @@ class Starter {
   void forget_oldest_keyframe();
   const Point* find(int camera, TrackId track) const;
   Preintegration between(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
+  WheelPath way_between(TimeNs t0, TimeNs t1, const Vec3& b_g) const;
   bool solve_gyro_bias(Vec3& b_g) const;
   bool solve_gravity(const Vec3& b_g, Vec3& g_B0, Vec3& v_B0) const;
   Status finish(const SE3& origin);
@@ -83,6 +86,8 @@ class Starter {
   Filter locator_;
   MonoStarter mono_[kCamerasMax];
   const ImuHistory* imu_ = nullptr;
+  const WheelHistory* wheels_ = nullptr;
+  WheelPath no_way_;  // as a path begins
   FixedVector<Frame, kFramesMax> frames_;
   FixedVector<Point, kPointsMax> points_[kCamerasMax];
   StartKeyframes keyframes_;

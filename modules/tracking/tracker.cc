@@ -9,6 +9,8 @@
 namespace pirvs {
 namespace {
 
+constexpr int kFollowed = 4;  // tracks of known points that a pose can stand on
+
 // What the IMU of a body at rest should say.
 StandstillDetector::Expected expected_at_rest(const BodyState& state) {
   const Vec3 up_B = state.T_WB.R.transpose() * Vec3(0, 0, kGravity_m_s2);
@@ -38,6 +40,14 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
   keyframer_.configure(cameras, noise, params.tracker, params.stereo, keyframes);
   initializer_.configure(cameras, count, noise, params.filter, params.tracker, &history_);
   health_.configure(params.health);
+  configure_wheels(WheelCalibration{});
+}
+
+void Tracker::configure_wheels(const WheelCalibration& wheels) {
+  odometry_.configure(wheels, params_.wheels);
+  estimate_.configure_wheels(wheels.T_BV, params_.wheels, &wheels_);
+  keyframer_.configure_wheels(wheels.T_BV, params_.wheels);
+  initializer_.configure_wheels(wheels.T_BV, params_.wheels, &wheels_);
 }
 
 void Tracker::forget() {
@@ -59,6 +69,30 @@ void Tracker::add_imu(const ImuSample& measured) {
   } else if (follows) {
     initializer_.turn(before, sample);
   }
+}
+
+// What slips is not used for a while: it slips a little before and after it is seen to.
+void Tracker::add_wheel(const WheelSample& sample) {
+  if (params_.wheels.use < 0.5f || history_.empty()) return;
+  WheelVelocity velocity;
+  const Status status = odometry_.take(sample, velocity);
+  if (status == Status::kEmpty) return;
+  const TimeNs now = history_.newest().t;
+  constexpr TimeNs kApart_ns_max = 200'000'000;
+  if (status != Status::kOk || std::abs(now - velocity.t) > kApart_ns_max) {
+    ++counters_.wheels_refused;
+    return;
+  }
+  bool slips = now < slips_until_ || in_doubt_;
+  if (running_ && !slips) {
+    const WheelVerdict verdict = estimate_.update_wheel(velocity);
+    slips = verdict == WheelVerdict::kSlips;
+    counters_.wheels_skidding += verdict == WheelVerdict::kSkids ? 1 : 0;
+    if (slips) slips_until_ = now + from_seconds(params_.wheels.slip_hold_s);
+  }
+  (slips ? counters_.wheels_slipping : counters_.wheels_used) += 1;
+  wheels_.add({now, velocity, slips});
+  if (running_) keyframer_.note_wheels(velocity, slips);
 }
 
 Vec3 Tracker::prepare(uint32_t finished) {
@@ -160,6 +194,9 @@ void Tracker::continue_map(uint32_t sequence, uint16_t epoch) {
 
 void Tracker::match() {
   if (!running_) return;
+  // Nothing is followed any more, and the pose is too uncertain to tell what is near from what only
+  // looks like it.
+  if (associator_.known_tracks() < kFollowed && estimate_.unsure()) searching_ = true;
   counters_.matched_by_projection +=
       static_cast<uint32_t>(associator_.match({estimate_.state().T_WB, estimate_.pose_cov()}));
 }
@@ -187,6 +224,9 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   counters_.keyframes += keyframer_.sent() - sent;
   counters_.keyframes_dropped += keyframer_.dropped() - dropped;
   if (!running_) return result;
+  if (params_.wheels.estimate_scale > 0.5f) {
+    odometry_.enlarge(estimate_.self_calibration().correct_scale());
+  }
   estimate_.end_frame();
   note_recent(t, present, result.at_rest);
   result.has_pose = true;
@@ -215,7 +255,7 @@ void Tracker::update(TimeNs t, uint8_t seen, FrameResult& result) {
   Correspondences& correspondences =
       associator_.collect(sigma_px(params_.filter, at_rest), standstill_);
   result.correspondences = static_cast<int>(correspondences.size());
-  result.accepted = estimate_.update(correspondences);
+  result.accepted = fuse(correspondences);
   if (result.accepted >= static_cast<int>(params_.health.matches_min)) {
     located_ = true;
     light_since_ = 0;
@@ -232,13 +272,47 @@ void Tracker::update(TimeNs t, uint8_t seen, FrameResult& result) {
   if (at_rest) estimate_.note_rest();
   note_jump(T_WB_predicted, estimate_.state().T_WB, result.recognised);
   const double sigma_m = std::sqrt(estimate_.pose_cov().diagonal().tail<3>().maxCoeff());
-  result.health_changed = health_.update({t, result.accepted, cells, sigma_m, at_rest});
+  result.health_changed = health_.update(evidence(t, result, cells, sigma_m));
   if (health_.state() == HealthState::kLost) lose();
+}
+
+// After dead reckoning a match may be wrong and fit all the same: many have to agree.
+int Tracker::fuse(Correspondences& correspondences) {
+  if (!searching_ || standstill_.at_rest()) return estimate_.update(correspondences);
+  const int wanted = static_cast<int>(params_.health.matches_min);
+  const int accepted = estimate_.update_if_agreed(correspondences, wanted);
+  searching_ = accepted == 0;
+  drift_told_ = drift_told_ && searching_;
+  if (searching_ && correspondences.size() > 0) {
+    ++counters_.disagreements;
+    associator_.forget_landmarks();
+  }
+  return accepted;
+}
+
+FrameEvidence Tracker::evidence(TimeNs t, const FrameResult& result, int cells,
+                                double sigma_m) const {
+  const BodyState& state = estimate_.state();
+  FrameEvidence out;
+  out.t = t;
+  out.accepted = result.accepted;
+  out.rejected = result.correspondences - result.accepted;
+  out.cells = cells;
+  out.position_sigma_m = sigma_m;
+  out.at_rest = standstill_.at_rest();
+  out.speed_m_s = state.v_WB.norm();
+  out.accel_bias_m_s2 = state.b_a.norm();
+  out.gyro_bias_rad_s = state.b_g.norm();
+  return out;
 }
 
 // There is light again, but what is seen is not where dead reckoning expects it.
 void Tracker::relocalize(TimeNs t, FrameResult& result) {
   if (!recognise(t, PlaceRule::kSame, estimate_.state().T_WB.R)) return;
+  if (!estimate_.plausible(places_.found().T_WB, recognised_error())) {
+    ++counters_.recognitions_implausible;  // a place that looks the same
+    return;
+  }
   estimate_.relocate(places_.found().T_WB, kRecognised_rad, kRecognised_m);
   associator_.forget_landmarks();
   associator_.adopt(places_.found());
@@ -247,6 +321,7 @@ void Tracker::relocalize(TimeNs t, FrameResult& result) {
   result.correspondences = static_cast<int>(correspondences.size());
   result.accepted = estimate_.update(correspondences);
   result.recognised = true;
+  searching_ = drift_told_ = false;
   light_since_ = 0;
 }
 
@@ -262,12 +337,18 @@ void Tracker::note_jump(const SE3& before, const SE3& after, bool certain) {
   if (health_.note_jump((after.p - before.p).norm(), turn_rad, certain)) ++counters_.jumps;
 }
 
-// The map stays: the next start looks for it.
+// The map stays: the next start looks for it. It continues this place; where the run was hopeless,
+// that of its own start.
 void Tracker::lose() {
   ++counters_.losses;
-  running_ = located_ = false;
+  running_ = located_ = searching_ = drift_told_ = false;
   recent_.clear();
   const BodyState& state = estimate_.state();
+  if (health_.denied()) {
+    ++counters_.losses_hopeless;
+    initializer_.lost(begin_, begin_error_);
+    return;
+  }
   initializer_.lost(state,
                     estimate_.map_error().cov + error_of_pose(state.T_WB.R, estimate_.pose_cov()));
 }
@@ -282,6 +363,7 @@ void Tracker::interrupt() {
   estimate_.end_rest();
   places_.reset();
   history_.clear();
+  wheels_.clear();
   last_frame_t_ = light_since_ = 0;
 }
 
@@ -310,6 +392,8 @@ void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
   }
   estimate_.set_map_error({error, starter.state().T_WB.p});
   estimate_.begin(starter.state(), starter.cov());
+  begin_ = at_time(starter.state(), t);
+  begin_error_ = error + error_of_pose(begin_.T_WB.R, estimate_.pose_cov());
   running_ = true;
   joining_ = false;
   light_since_ = 0;
@@ -327,7 +411,9 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
   const bool no_depth = alone && associator_.map().own_points() == 0 && at_rest;
   const bool waits =
       light_since_ != 0 && to_seconds(t - light_since_) < params_.tracker.recognise_wait_s;
-  if (seen == 0 || joining_ || waits || in_doubt_) return;
+  const bool blind = !at_rest && result.accepted < static_cast<int>(params_.health.matches_min);
+  const bool noise = blind && associator_.lasting_tracks() < kFollowed;
+  if (seen == 0 || noise || joining_ || waits || in_doubt_) return;
   const SE3& T_WB = estimate_.state().T_WB;
   const int camera = seen == kRightAlone ? 1 : 0;
   if (!(no_depth ? keyframer_.rest_due(t)
@@ -345,6 +431,10 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
       keyframer_.begin(at_time(estimate_.state(), t), at_rest, epoch_, associator_);
   if (message == nullptr) return;
   message->restart = message->renew = no_depth;
+  if (searching_ && !drift_told_) {
+    message->drift = error_of_pose(estimate_.state().T_WB.R, estimate_.pose_cov());
+    drift_told_ = true;
+  }
   keyframer_.end(*message, estimate_.state());
 }
 

@@ -1,5 +1,6 @@
 // Tracks the body against the map: one pose per frame, never waiting for mapping.
-// In      add_imu: samples in order, one of them exactly at each frame's time. prepare before and
+// In      add_imu: samples in order, one of them exactly at each frame's time. add_wheel: what the
+//         wheels tell, between them. prepare before and
 //         match, frame after the front-ends followed their tracks. Snapshots of the map by mailbox.
 // Out     state and covariance after every sample and frame; keyframes for mapping by ring.
 // Frames  W: world, z up, origin and heading of the first keyframe of a start. B: IMU. C: camera.
@@ -32,13 +33,16 @@ struct TrackingParams {
   MatchingParams matching;
   StandstillParams standstill;
   HealthParams health;
+  WheelParams wheels;
 };
 
 struct TrackingCounters {
-  Counter frames, frames_with_pose, starts, start_failures, losses;
+  Counter frames, frames_with_pose, starts, start_failures, losses, losses_hopeless;
   Counter keyframes, keyframes_dropped, snapshots, snapshots_late;
   Counter matched_by_projection, standstill_frames, tracks_dropped;
-  Counter recognitions, recognitions_failed, joins, loops, loops_implausible, loops_held, jumps;
+  Counter recognitions, recognitions_failed, recognitions_implausible, disagreements, joins, loops,
+      loops_implausible, loops_held, jumps;
+  Counter wheels_used, wheels_slipping, wheels_skidding, wheels_refused;
   CounterArray<Gate> gates;
 };
 
@@ -48,6 +52,7 @@ inline constexpr CounterRow<TrackingCounters> kTrackingCounters[] = {
     {"starts", &TrackingCounters::starts},
     {"start_failures", &TrackingCounters::start_failures},
     {"losses", &TrackingCounters::losses},
+    {"losses_hopeless", &TrackingCounters::losses_hopeless},
     {"keyframes", &TrackingCounters::keyframes},
     {"keyframes_dropped", &TrackingCounters::keyframes_dropped},
     {"snapshots", &TrackingCounters::snapshots},
@@ -57,11 +62,17 @@ inline constexpr CounterRow<TrackingCounters> kTrackingCounters[] = {
     {"tracks_dropped", &TrackingCounters::tracks_dropped},
     {"recognitions", &TrackingCounters::recognitions},
     {"recognitions_failed", &TrackingCounters::recognitions_failed},
+    {"recognitions_implausible", &TrackingCounters::recognitions_implausible},
+    {"disagreements", &TrackingCounters::disagreements},
     {"joins", &TrackingCounters::joins},
     {"loops", &TrackingCounters::loops},
     {"loops_implausible", &TrackingCounters::loops_implausible},
     {"loops_held", &TrackingCounters::loops_held},
     {"jumps", &TrackingCounters::jumps},
+    {"wheels_used", &TrackingCounters::wheels_used},
+    {"wheels_slipping", &TrackingCounters::wheels_slipping},
+    {"wheels_skidding", &TrackingCounters::wheels_skidding},
+    {"wheels_refused", &TrackingCounters::wheels_refused},
 };
 static_assert(every_counter_is_in(kTrackingCounters, sizeof(TrackingCounters::gates)));
 
@@ -85,11 +96,15 @@ class Tracker {
   void configure(const Camera* cameras, int count, const ImuNoise& noise,
                  const TrackingParams& params, Frontend* frontends, KeyframeRing* keyframes,
                  MapMailbox* map);
+  // The vehicle whose wheels speak; none by default.
+  void configure_wheels(const WheelCalibration& wheels);
 
   // Everything but what has been counted; configure() is next.
   void forget();
 
   void add_imu(const ImuSample& sample);
+  // After the IMU sample before it.
+  void add_wheel(const WheelSample& sample);
   // Before the front-ends run on the frame at time t (the last sample's): takes the newest map and
   // tells every track where to look. `finished`: the newest keyframe that mapping has done. Returns
   // gravity in B for the descriptors.
@@ -136,6 +151,7 @@ class Tracker {
   SelfCalibration::Estimate self_calibration() const {
     return estimate_.self_calibration().estimate();
   }
+  double wheel_scale() const { return odometry_.scale(); }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return keyframer_.stereo(); }
   // The landmarks that tracks show, each once. Returns the count.
@@ -148,6 +164,8 @@ class Tracker {
   void note_recent(TimeNs t, uint8_t present, bool at_rest);
   void follow_level(const SE3& leveled);
   void update(TimeNs t, uint8_t seen, FrameResult& result);
+  int fuse(Correspondences& correspondences);
+  FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells, double sigma_m) const;
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
   void note_jump(const SE3& before, const SE3& after, bool certain);
@@ -161,6 +179,9 @@ class Tracker {
   MapMailbox* mailbox_ = nullptr;
 
   ImuHistory history_;
+  WheelOdometry odometry_;
+  WheelHistory wheels_;
+  TimeNs slips_until_ = 0;
   StandstillDetector standstill_;
   Associator associator_;
   Estimate estimate_;
@@ -177,8 +198,12 @@ class Tracker {
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
   bool place_known_ = true;          // this epoch is the map's first, or was joined to it
   TimeNs light_since_ = 0;  // images are usable again, the place is not recognised yet; 0: not so
-  bool located_ = false;    // matches have been enough since the start
-  bool joining_ = false;    // mapping carries this epoch over to another by T_join_
+  BodyState begin_;         // as the last start left it
+  Mat6 begin_error_ = Mat6::Zero();
+  bool located_ = false;     // matches have been enough since the start
+  bool searching_ = false;   // after dead reckoning: what matches has to agree before it counts
+  bool drift_told_ = false;  // to mapping, since then
+  bool joining_ = false;     // mapping carries this epoch over to another by T_join_
   SE3 T_join_;
   TrackingCounters counters_;
 };

@@ -13,6 +13,7 @@ namespace pirvs::tools {
 inline constexpr int kExitDone = 0;
 inline constexpr int kExitFailed = 1;
 inline constexpr int kExitBadInput = 2;
+inline constexpr int kExitSignal = 128;  // and its number: stopped by hand
 
 struct Command {
   const char* name;

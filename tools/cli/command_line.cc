@@ -1,5 +1,6 @@
 #include "tools/cli/command_line.h"
 
+#include <cmath>
 #include <map>
 
 namespace pirvs::tools {
@@ -25,6 +26,15 @@ std::string command_line(const CLI::App& command) {
     out += " " + quoted(option->results().at(seen[option]++));
   }
   return out;
+}
+
+CLI::Validator not_negative() {
+  const auto check = [](const std::string& text) {
+    double value = -1;
+    const bool good = CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= 0;
+    return good ? std::string() : "needs a number not below 0, not '" + text + "'";
+  };
+  return CLI::Validator(check, "NUMBER");
 }
 
 }  // namespace pirvs::tools

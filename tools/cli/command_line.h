@@ -13,4 +13,7 @@ namespace pirvs::tools {
 
 std::string command_line(const CLI::App& command);
 
+// A check of an option: a number that is finite and not below 0.
+CLI::Validator not_negative();
+
 }  // namespace pirvs::tools

@@ -186,6 +186,43 @@ GnssSensor read_gnss_sensor(const std::string& path) {
   return out;
 }
 
+WheelSensor read_wheel_sensor(const std::string& path) {
+  constexpr const char* kKinds[kWheelKinds] = {"left_right", "twist", "ticks", "steering"};
+  constexpr double kSeconds_max = 10;
+  const Source source(path);
+  const YAML::Node& root = source.root();
+  const auto kind = source.get<std::string>(root, "kind");
+  const auto found = std::find(std::begin(kKinds), std::end(kKinds), kind);
+  if (found == std::end(kKinds)) {
+    source.fail("unknown wheels '" + kind + "' (known: left_right, twist, ticks, steering)",
+                "kind");
+  }
+  const auto length = [&](const char* key, bool needed) {
+    if (!root[key] && !needed) return 0.0;
+    const double value = source.get<double>(root, key);
+    if (!(value > 0)) source.fail("needs a number above 0", key);
+    return value;
+  };
+  WheelSensor out;
+  out.kind = WheelKind(found - std::begin(kKinds));
+  WheelCalibration& wheels = out.calibration;
+  wheels.known = true;
+  wheels.T_BV = asl_transform(source);
+  wheels.track_m = length("track", false);
+  wheels.wheelbase_m = length("wheelbase", out.kind == WheelKind::kSteering);
+  if (out.kind == WheelKind::kTicks) {
+    wheels.tick_m = 2 * M_PI * length("radius", true) / length("ticks_per_turn", true);
+  }
+  if (root["time_offset"]) {
+    const double offset_s = source.get<double>(root, "time_offset");
+    if (!(std::abs(offset_s) < kSeconds_max)) {
+      source.fail("needs a few seconds at most", "time_offset");
+    }
+    wheels.time_offset_ns = from_seconds(offset_s);
+  }
+  return out;
+}
+
 Calibration read_asl_calibration(const std::string& mav0) {
   Calibration out;
   const Source imu(mav0 + "/imu0/sensor.yaml");
@@ -198,6 +235,11 @@ Calibration read_asl_calibration(const std::string& mav0) {
     out.camera[c] = read_asl_camera(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml", offset);
     out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
     if (c == 0) out.camera_time_offset_ns = offset;
+  }
+  const std::string wheels = mav0 + "/wheel0/sensor.yaml";
+  if (std::filesystem::exists(wheels)) {
+    out.wheels = read_wheel_sensor(wheels).calibration;
+    out.wheels.T_BV = T_SB * out.wheels.T_BV;
   }
   const std::string gnss = mav0 + "/gnss0/sensor.yaml";
   if (!std::filesystem::exists(gnss)) return out;

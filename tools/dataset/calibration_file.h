@@ -14,6 +14,7 @@
 #include <string>
 
 #include "modules/calibration/calibration.h"
+#include "modules/wheels/wheel_sample.h"
 
 namespace pirvs::tools {
 
@@ -43,6 +44,14 @@ struct GnssSensor {
   double truth_heading_deg = 0;
 };
 GnssSensor read_gnss_sensor(const std::string& path);
+
+// wheel0/sensor.yaml of an ASL folder: kind (left_right, twist, ticks, steering); T_BS: the vehicle
+// in the body; track, wheelbase, radius [m]; ticks_per_turn; time_offset [s].
+struct WheelSensor {
+  WheelCalibration calibration;
+  WheelKind kind = WheelKind::kLeftRight;
+};
+WheelSensor read_wheel_sensor(const std::string& path);
 
 // Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
 ImuNoise read_imu_noise(const std::string& path);

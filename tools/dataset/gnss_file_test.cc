@@ -11,12 +11,15 @@
 
 #include "core/math/geodesy.h"
 #include "core/math/trig.h"
+#include "modules/gnss/nmea_sentence_test.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording.h"
 #include "tools/dataset/test_recording.h"
 
 namespace pirvs::tools {
 namespace {
+
+using testing::sentence;
 
 constexpr double kDeg = kPi / 180;
 constexpr const char* kHeading =
@@ -113,14 +116,6 @@ TEST(gnss_file, a_recording_has_its_fixes_and_antenna) {
   EXPECT_EQ(open_recording(recording.folder(), part).gnss.size(), 1u);
   recording.write("gnss0/sensor.yaml", "latency: never\n");
   EXPECT_THROW((void)open_recording(recording.folder(), {}), InputError);
-}
-
-std::string sentence(const std::string& body) {
-  uint8_t sum = 0;
-  for (const char c : body) sum = uint8_t(sum ^ uint8_t(c));
-  char tail[8];
-  std::snprintf(tail, sizeof tail, "*%02X\r\n", sum);
-  return "$" + body + tail;
 }
 
 std::string angle(double deg, int digits, const char* letters) {

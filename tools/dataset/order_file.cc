@@ -98,7 +98,7 @@ GnssFix read_fix(Fields& fields) {
 WheelSample read_wheel(Fields& fields) {
   WheelSample out;
   out.t = fields.number<TimeNs>();
-  out.kind = WheelKind(fields.up_to(int(WheelKind::kTicks)));
+  out.kind = WheelKind(fields.up_to(kWheelKinds - 1));
   for (double& value : out.value) value = fields.number<double>();
   return out;
 }

@@ -10,6 +10,7 @@
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/pack_file.h"
 #include "tools/dataset/text_table.h"
+#include "tools/dataset/wheel_file.h"
 
 namespace pirvs::tools {
 namespace {
@@ -99,14 +100,14 @@ void cut(const RecordingOptions& options, Recording& recording) {
   const TimeNs offset = recording.calibration.camera_time_offset_ns;
   const TimeNs imu_begin = frames.front().t + offset - kImuMargin;
   const TimeNs imu_end = frames.back().t + offset + kImuMargin;
-  auto& fixes = recording.gnss;
-  fixes.erase(std::remove_if(fixes.begin(), fixes.end(),
-                             [&](const GnssFix& f) { return f.t < imu_begin || f.t > imu_end; }),
-              fixes.end());
-  auto& imu = recording.imu;
-  imu.erase(std::remove_if(imu.begin(), imu.end(),
-                           [&](const ImuSample& s) { return s.t < imu_begin || s.t > imu_end; }),
-            imu.end());
+  const auto keep_between = [&](auto& samples) {
+    samples.erase(std::remove_if(samples.begin(), samples.end(),
+                                 [&](const auto& s) { return s.t < imu_begin || s.t > imu_end; }),
+                  samples.end());
+  };
+  keep_between(recording.gnss);
+  keep_between(recording.wheels);
+  keep_between(recording.imu);
 }
 
 // Of a file, of gnss0, or as the recorder wrote them among all that came.
@@ -127,6 +128,22 @@ void read_fixes(const std::string& mav0, const RecordingOptions& options, Record
   for (const OrderRow& row : recording.order) {
     if (row.kind == ArrivalKind::kGnss) recording.gnss.push_back(row.gnss);
   }
+}
+
+void read_wheels(const std::string& mav0, const RecordingOptions& options, Recording& recording) {
+  const bool own = options.wheels.empty();
+  const std::string file = own ? mav0 + "/wheel0/data.csv" : options.wheels;
+  if (own && !fs::exists(file)) {
+    for (const OrderRow& row : recording.order) {
+      if (row.kind == ArrivalKind::kWheel) recording.wheels.push_back(row.wheel);
+    }
+    return;
+  }
+  const std::string yaml = (fs::path(file).parent_path() / "sensor.yaml").string();
+  const WheelSensor sensor = read_wheel_sensor(yaml);
+  if (!own) recording.calibration.wheels = sensor.calibration;
+  recording.wheels = read_wheels(file, sensor.kind, recording.rejected);
+  recording.wheels_apart = true;
 }
 
 void check_overlap(const Recording& recording) {
@@ -239,6 +256,7 @@ Recording open_recording(const std::string& folder, const RecordingOptions& opti
     read_frames(mav0, recording);
   }
   read_fixes(mav0, options, recording);
+  read_wheels(mav0, options, recording);
   cut(options, recording);
   check_overlap(recording);
   for (const char* name : {"/state_groundtruth_estimate0/data.csv", "/groundtruth.tum"}) {

@@ -44,6 +44,7 @@ struct RecordingOptions {
   double duration_s = 0;    // 0: to the end
   bool mono = false;        // the left camera alone, whatever was recorded
   std::string gnss;         // for read_gnss; empty: the folder's own
+  std::string wheels;       // for read_wheels, sensor.yaml beside it; empty: the folder's own
 };
 
 struct Recording {
@@ -54,6 +55,8 @@ struct Recording {
   std::vector<GnssFix> gnss;
   bool gnss_apart = false;  // they do not stand in `order`
   GnssSensor gnss_sensor;
+  std::vector<WheelSample> wheels;
+  bool wheels_apart = false;  // they do not stand in `order`
   // As the recorder wrote it, in which case frames and samples are all that came, whatever their
   // stamps; else empty. Only of a whole recording, not of a part.
   std::vector<OrderRow> order;

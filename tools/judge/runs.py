@@ -38,7 +38,7 @@ def jobs(rows, folders, program, out, count):
             options = ["--start", start_s, *row.options]
             key = [digest, recordings.identity(folder), options]
             place = out / "runs" / row.name / str(index)
-            command = [program, "run", str(folder), *options, "--out", str(place)]
+            command = [program, "run", str(folder), *options, "--force", "--out", str(place)]
             yield Job(row, index, command, place, key, "--cores" in row.options)
 
 

@@ -12,7 +12,8 @@ Feed::Feed(const Recording& recording, const std::vector<Fault>& faults,
       on_frame_(std::move(on_frame)),
       camera_delay_(recording.calibration.camera_time_offset_ns + camera_latency),
       follows_order_(!recording.order.empty() && faults.empty() && camera_latency == 0),
-      tells_fixes_(!recording.gnss.empty() && (!follows_order_ || recording.gnss_apart)) {}
+      tells_fixes_(!recording.gnss.empty() && (!follows_order_ || recording.gnss_apart)),
+      tells_wheels_(!recording.wheels.empty() && (!follows_order_ || recording.wheels_apart)) {}
 
 bsp::RecordingSource Feed::source() {
   bsp::RecordingSource out = {this, next_imu, next_frame, release_frame, arrival};
@@ -25,7 +26,7 @@ bsp::RecordingSource Feed::source() {
 
 bool Feed::next_imu(void* context, ImuSample& out) {
   Feed& feed = *static_cast<Feed*>(context);
-  while (feed.imu_at_ < feed.recording_.imu.size()) {
+  while (!feed.ended() && feed.imu_at_ < feed.recording_.imu.size()) {
     out = feed.recording_.imu[feed.imu_at_++];
     feed.imu_arrival_ = out.t;
     if (feed.faults_.pass(out)) return true;
@@ -36,7 +37,7 @@ bool Feed::next_imu(void* context, ImuSample& out) {
 bool Feed::next_frame(void* context, StereoFrame& out) {
   Feed& feed = *static_cast<Feed*>(context);
   const FrameId id = out.id;
-  while (const StereoFrame* const frame = feed.player_.next()) {
+  while (const StereoFrame* const frame = feed.ended() ? nullptr : feed.player_.next()) {
     if (feed.on_frame_) feed.on_frame_(feed.player_.frames_played());
     out = *frame;
     out.id = id;
@@ -57,7 +58,7 @@ bool Feed::order(void* context, bsp::RecordedArrival& out) {
   using Kind = bsp::RecordedArrival::Kind;
   Feed& feed = *static_cast<Feed*>(context);
   const std::vector<OrderRow>& rows = feed.recording_.order;
-  if (feed.order_at_ == rows.size()) return false;
+  if (feed.ended() || feed.order_at_ == rows.size()) return false;
   const OrderRow& row = rows[feed.order_at_];
   const Kind sensor = row.sensor == Sensor::kImu ? Kind::kImu : Kind::kFrame;
   switch (row.kind) {
@@ -84,7 +85,7 @@ bool Feed::order(void* context, bsp::RecordedArrival& out) {
 
 bool Feed::next_told(void* context, Arrival& out) {
   Feed& feed = *static_cast<Feed*>(context);
-  if (feed.tells_fixes_ && next_fix_told(context, out)) return true;
+  if (next_other_told(context, out)) return true;
   bsp::RecordedArrival next;
   if (!feed.follows_order_ || !order(context, next)) return false;
   if (next.kind != bsp::RecordedArrival::Kind::kOther) return false;
@@ -92,17 +93,29 @@ bool Feed::next_told(void* context, Arrival& out) {
   return true;
 }
 
-// A fix comes once the IMU has come to its time, and as much later as the receiver takes.
-bool Feed::next_fix_told(void* context, Arrival& out) {
+bool Feed::next_other_told(void* context, Arrival& out) {
   Feed& feed = *static_cast<Feed*>(context);
-  const Recording& recording = feed.recording_;
-  if (feed.fix_at_ == recording.gnss.size()) return false;
-  const GnssFix& fix = recording.gnss[feed.fix_at_];
+  return feed.next_fix_told(out) || feed.next_wheel_told(out);
+}
+
+// A fix comes once the IMU has come to its time, and as much later as the receiver takes.
+bool Feed::next_fix_told(Arrival& out) {
+  if (!tells_fixes_ || fix_at_ == recording_.gnss.size()) return false;
+  const GnssFix& fix = recording_.gnss[fix_at_];
   const TimeNs comes =
-      fix.t + recording.calibration.gnss.time_offset_ns + recording.gnss_sensor.latency_ns;
-  if (feed.imu_arrival_ < comes) return false;
-  ++feed.fix_at_;
+      fix.t + recording_.calibration.gnss.time_offset_ns + recording_.gnss_sensor.latency_ns;
+  if (imu_arrival_ < comes) return false;
+  ++fix_at_;
   out = pirvs::arrival_of(fix);
+  return true;
+}
+
+bool Feed::next_wheel_told(Arrival& out) {
+  if (!tells_wheels_ || wheel_at_ == recording_.wheels.size()) return false;
+  const WheelSample& wheel = recording_.wheels[wheel_at_];
+  if (imu_arrival_ < wheel.t + recording_.calibration.wheels.time_offset_ns) return false;
+  ++wheel_at_;
+  out = pirvs::arrival_of(wheel);
   return true;
 }
 

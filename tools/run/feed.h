@@ -9,6 +9,7 @@
 // Source  DESIGN.md, "Folders": board/host runs on recorded sensors.
 #pragma once
 
+#include <csignal>
 #include <functional>
 
 #include "bsp/replay/replay.h"
@@ -28,8 +29,10 @@ class Feed {
   // What was told in the recorded run, each at its turn, or the recording's fixes as they would
   // have come: for App::replay_inbox().
   ArrivalSource inbox() { return {this, next_told}; }
-  // The fixes alone, in real time.
-  ArrivalSource fixes() { return {this, next_fix_told}; }
+  // Fixes and wheels alone, in real time.
+  ArrivalSource others() { return {this, next_other_told}; }
+  // Ends as the recording would once `flag` is not 0: a signal may set it.
+  void end_when(const volatile std::sig_atomic_t* flag) { ended_ = flag; }
   // Up to which keyframe mapping had come when each recorded frame began.
   MapDecisions maps() { return {this, next_map}; }
 
@@ -44,19 +47,23 @@ class Feed {
   static bool order(void* context, bsp::RecordedArrival& out);
   static void go_on(void* context) { ++static_cast<Feed*>(context)->order_at_; }
   static bool next_told(void* context, Arrival& out);
-  static bool next_fix_told(void* context, Arrival& out);
+  static bool next_other_told(void* context, Arrival& out);
+  bool next_fix_told(Arrival& out);
+  bool next_wheel_told(Arrival& out);
   static bool next_map(void* context, uint32_t& keyframe);
+  bool ended() const { return ended_ != nullptr && *ended_ != 0; }
 
   const Recording& recording_;
   FaultLine faults_;
   Player player_;
   std::function<void(size_t)> on_frame_;
   const StereoFrame* lent_[bsp::kReplayFrames] = {};  // by the slot of its id
-  TimeNs camera_delay_;  // from a frame's stamp to its arrival, on the IMU's clock
-  bool follows_order_;   // faults and a latency would change it
-  bool tells_fixes_;     // they are not among what the order tells
+  const volatile std::sig_atomic_t* ended_ = nullptr;
+  TimeNs camera_delay_;              // from a frame's stamp to its arrival, on the IMU's clock
+  bool follows_order_;               // faults and a latency would change it
+  bool tells_fixes_, tells_wheels_;  // they are not among what the order tells
   size_t order_at_ = 0, map_at_ = 0;
-  size_t imu_at_ = 0, fix_at_ = 0;
+  size_t imu_at_ = 0, fix_at_ = 0, wheel_at_ = 0;
   TimeNs imu_arrival_ = 0, frame_arrival_ = 0;
 };
 

@@ -1,5 +1,9 @@
 #include "tools/run/files.h"
 
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -8,6 +12,7 @@
 
 #include "core/math/so3.h"
 #include "tools/dataset/input_error.h"
+#include "tools/run/verdict.h"
 
 namespace pirvs::tools {
 namespace {
@@ -105,6 +110,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
   Json input = counts_json(recording.rejected);
   input.update(counts_json(player_rejected));
   const Json root = {{"status", result.done ? "tracked" : "lost"},
+                     {"verdict", result.verdict},
                      {"sequence", info.sequence},
                      {"command", info.command},
                      {"revision", info.revision},
@@ -131,7 +137,10 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                        {"time_left_s", log.calibration.time_s},
                        {"time_sigma_s", log.calibration.time_sigma_s},
                        {"turn_B_rad", vector_json(log.calibration.turn_B)},
-                       {"turn_sigma_B_rad", vector_json(log.calibration.turn_sigma_B)}}},
+                       {"turn_sigma_B_rad", vector_json(log.calibration.turn_sigma_B)},
+                       {"wheel_scale", log.wheel_scale},
+                       {"wheel_scale_left", log.calibration.scale},
+                       {"wheel_scale_sigma", log.calibration.scale_sigma}}},
                      {"pose_spacing_ms", latency_json(result.pose_spacing)},
                      {"keyframes", log.keyframes.size()},
                      {"points", log.points.size()},
@@ -171,7 +180,7 @@ std::string state_csv(const RunLog& log) {
   for (int i = 0; i < 9; ++i) {
     for (int j = i; j < 9; ++j) out += ",cov" + std::to_string(i) + std::to_string(j);
   }
-  out += "\n";
+  out += ",confidence,reasons,resets,accepted,rejected\n";
   for (const FrameReport& frame : log.frames) {
     if (!frame.has_pose) continue;
     const BodyState& state = frame.pose.state;
@@ -185,7 +194,11 @@ std::string state_csv(const RunLog& log) {
     for (int i = 0; i < 9; ++i) {
       for (int j = i; j < 9; ++j) append(out, frame.pose.cov(i, j));
     }
-    out += "\n";
+    const Trust& trust = frame.pose.trust;
+    append(out, double(trust.confidence));
+    out += "," + reasons_text(trust.reasons) + "," + std::to_string(trust.resets) + "," +
+           std::to_string(frame.accepted) + "," +
+           std::to_string(frame.correspondences - frame.accepted) + "\n";
   }
   return out;
 }
@@ -246,11 +259,20 @@ std::string map_ply(const RunLog& log) {
 
 }  // namespace
 
-OutputFolder::OutputFolder(const std::string& folder) : folder_(folder) {
+OutputFolder::OutputFolder(const std::string& folder, bool force) : folder_(folder) {
   std::error_code error;
   fs::create_directories(folder, error);
   if (error || !fs::is_directory(folder)) {
     throw InputError("cannot make the folder", folder, "choose another --out");
+  }
+  if (!force && fs::exists(folder + "/summary.json")) {
+    throw InputError("holds the results of an earlier run", folder,
+                     "choose another --out, or replace them with --force");
+  }
+  lock_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (lock_ >= 0 && flock(lock_, LOCK_EX | LOCK_NB) != 0) {
+    close(lock_);
+    throw InputError("another run writes there", folder, "choose another --out");
   }
   write(kProbe, "x");
   fs::remove(folder + "/" + kProbe + kPart, error);
@@ -258,6 +280,7 @@ OutputFolder::OutputFolder(const std::string& folder) : folder_(folder) {
 }
 
 OutputFolder::~OutputFolder() {
+  if (lock_ >= 0) close(lock_);
   std::error_code error;
   for (const std::string& name : parts_) fs::remove(folder_ + "/" + name + kPart, error);
 }

@@ -25,8 +25,9 @@ struct RunInfo {
 
 class OutputFolder {
  public:
-  // Fails at once where nothing could be written at the end.
-  explicit OutputFolder(const std::string& folder);
+  // Fails at once where nothing could be written at the end, where another run writes, and, unless
+  // forced, where results are already.
+  explicit OutputFolder(const std::string& folder, bool force = false);
   ~OutputFolder();  // removes what was not committed
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
@@ -36,6 +37,7 @@ class OutputFolder {
 
  private:
   std::string folder_;
+  int lock_ = -1;                   // held as long as this writes
   std::vector<std::string> parts_;  // names written, not yet given
 };
 

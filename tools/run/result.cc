@@ -5,6 +5,7 @@
 
 #include "core/math/so3.h"
 #include "tools/cli/command.h"
+#include "tools/run/verdict.h"
 
 namespace pirvs::tools {
 namespace {
@@ -146,7 +147,8 @@ RunResult make_result(const Recording& recording, const RunLog& log, Status stat
   result.fused_result = evaluate_fused(recording, result.fused, log.local_frame);
   if (!log.frames.empty()) result.health_at_end = log.frames.back().pose.health;
   if (log.frames.empty()) return result;
-  result.done = status == Status::kOk && is_whole(recording, log) && !lost(log.frames.back());
+  result.verdict = verdict(recording, log);
+  result.done = status == Status::kOk && is_whole(recording, log) && result.verdict.empty();
   return result;
 }
 

@@ -67,7 +67,8 @@ struct RunResult {
   double confidence_min = 0;
   uint32_t resets = 0;
   std::vector<PoseJump> jumps;
-  bool done = false;  // tracking to the last frame
+  std::string verdict;  // why it is not done, if it is not; verdict.h
+  bool done = false;    // tracking to the last frame
 
   int exit_status() const;
 };

@@ -1,6 +1,7 @@
 // `pirvs run SEQ --out DIR`: the whole stack on a recording; `pirvs params`: its parameters.
 #include <chrono>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <filesystem>
 #include <memory>
@@ -34,7 +35,7 @@ struct Options {
   bool lockstep = false;
   int mapping_lag = -1;
   double camera_latency_ms = 0;
-  bool trace = false;
+  bool trace = false, force = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
@@ -44,6 +45,14 @@ struct Options {
 };
 
 App app;  // static memory, as on the device
+
+// The signal that asked for an end, or 0. The second one ends at once.
+volatile std::sig_atomic_t stopped_by = 0;
+
+void stop_by_hand(int signal) {
+  stopped_by = signal;
+  std::signal(signal, SIG_DFL);
+}
 
 void prepare_record_folder(const std::string& folder) {
   std::error_code error;
@@ -86,7 +95,7 @@ int run(const Options& options, const std::string& command) {
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
-  OutputFolder out(options.out);
+  OutputFolder out(options.out, options.force);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
@@ -103,10 +112,14 @@ int run(const Options& options, const std::string& command) {
     Feed feed(
         recording, faults, [&progress](size_t played) { progress.update(played); },
         from_seconds(options.camera_latency_ms * 1e-3));
+    stopped_by = 0;
+    feed.end_when(&stopped_by);
+    std::signal(SIGINT, stop_by_hand);
+    std::signal(SIGTERM, stop_by_hand);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
     if (robot) robot->open(app, recording.calibration.imu);
-    app.replay_inbox(options.real_time ? feed.fixes() : feed.inbox());
+    app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
       throw InputError("cannot record", options.record, "check space and permissions");
@@ -134,7 +147,14 @@ int run(const Options& options, const std::string& command) {
   if (options.trace) out.write("trace.json", trace_json());
   out.commit();
   print_result(options, log, result);
-  if (!result.done) std::fprintf(stderr, "pirvs: tracking was lost at the end\n");
+  if (stopped_by != 0) {
+    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
+    return kExitSignal + stopped_by;
+  }
+  if (!result.done) {
+    const bool told = !result.verdict.empty();
+    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
+  }
   return result.exit_status();
 }
 
@@ -142,17 +162,20 @@ std::function<int()> declare_run(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder or a packed file")->required();
   app.add_option("--out", o->out, "folder for the results")->required();
+  app.add_flag("--force", o->force, "replace the results of an earlier run in --out");
   app.add_option("--calib", o->recording.calibration,
                  "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
   app.add_option(
       "--gnss", o->recording.gnss,
       "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
       ".nmea, or RTKLIB's .pos");
+  app.add_option("--wheels", o->recording.wheels,
+                 "what the wheels told, instead of the recording's own: a table as in wheel0, its "
+                 "sensor.yaml beside it");
   app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
-  app.add_option("--start", o->recording.start_s, "skip this many seconds")
-      ->check(CLI::NonNegativeNumber);
+  app.add_option("--start", o->recording.start_s, "skip this many seconds")->check(not_negative());
   app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
-      ->check(CLI::NonNegativeNumber);
+      ->check(not_negative());
   auto* const real_time =
       app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
   app.add_option("--cores", o->cores,

@@ -9,7 +9,8 @@
 namespace pirvs::tools {
 namespace {
 
-constexpr const char* kNames[] = {"hover", "loop", "handheld", "vehicle"};
+constexpr const char* kNames[] = {"hover", "loop",  "handheld", "vehicle",
+                                  "spot",  "ramps", "circuit",  "straight"};
 static_assert(std::size(kNames) == size_t(Motion::kCount));
 
 constexpr uint64_t kStream = 6;  // of random numbers, and one more for each motion
@@ -161,6 +162,79 @@ class Vehicle {
   }
 };
 
+// A vehicle that goes where its wheels roll; the camera is ahead of and above its axle.
+class Driven {
+ public:
+  explicit Driven(Random&) {}
+
+  SE3 operator()(double t_s) {
+    constexpr double kStep_s = 1e-3;
+    for (; t_s_ + kStep_s <= t_s; t_s_ += kStep_s) go(t_s_ + kStep_s / 2, kStep_s);
+    if (t_s > t_s_) go((t_s_ + t_s) / 2, t_s - t_s_);
+    t_s_ = std::max(t_s_, t_s);
+    const SE3 T_WV = look(p_WV_, yaw_, -slope_, 0);
+    return {T_WV.R, T_WV * -kAxle_L};
+  }
+
+  static inline const Vec3 kAxle_L = Vec3(-0.25, 0, -0.4);
+
+ protected:
+  struct Going {
+    double speed_m_s = 0, turn_rad_s = 0, slope_rad = 0;
+  };
+  virtual ~Driven() = default;
+  virtual Going at(double t_s, double way_m) const = 0;
+
+ private:
+  Vec3 p_WV_ = Vec3(0, 0, 0.1);
+  double yaw_ = 0, slope_ = 0, way_m_ = 0, t_s_ = 0;
+
+  void go(double t_s, double dt_s) {
+    const Going going = at(t_s, way_m_);
+    slope_ = going.slope_rad;
+    const double yaw = yaw_ + going.turn_rad_s * dt_s / 2;
+    yaw_ += going.turn_rad_s * dt_s;
+    const double flat = std::cos(slope_);
+    p_WV_ +=
+        going.speed_m_s * dt_s * Vec3(flat * std::cos(yaw), flat * std::sin(yaw), std::sin(slope_));
+    way_m_ += going.speed_m_s * dt_s;
+  }
+};
+
+class Spot final : public Driven {
+  using Driven::Driven;
+  Going at(double t_s, double) const override {
+    constexpr double kTurn_rad_s = 1, kUp_s = 1, kTurns_s = 2 * M_PI * 10 / kTurn_rad_s;
+    return {0, kTurn_rad_s * (smooth_step(t_s / kUp_s) - smooth_step((t_s - kTurns_s) / kUp_s)), 0};
+  }
+};
+
+class Ramps final : public Driven {
+  using Driven::Driven;
+  Going at(double t_s, double way_m) const override {
+    constexpr double kSpeed_m_s = 1.2, kSlope_rad = 0.17, kSlope_m = 6, kBend_m = 9;
+    return {kSpeed_m_s * smooth_step(t_s / 2), 0.25 * std::sin(2 * M_PI * way_m / kBend_m),
+            kSlope_rad * smooth_step(way_m) * std::sin(2 * M_PI * way_m / kSlope_m)};
+  }
+};
+
+class Circuit final : public Driven {
+  using Driven::Driven;
+  Going at(double t_s, double way_m) const override {
+    constexpr double kSpeed_m_s = 3, kLong_m = 90, kShort_m = 44.3, kRadius_m = 5;
+    constexpr double kArc_m = kRadius_m * M_PI / 2, kHalf_m = kLong_m + kShort_m + 2 * kArc_m;
+    const double way = std::fmod(way_m, kHalf_m);
+    const bool turns = (way > kLong_m && way < kLong_m + kArc_m) || way > kHalf_m - kArc_m;
+    const double speed = kSpeed_m_s * smooth_step(t_s / 4);
+    return {speed, turns ? speed / kRadius_m : 0, 0};
+  }
+};
+
+class Straight final : public Driven {
+  using Driven::Driven;
+  Going at(double, double) const override { return {1, 0, 0}; }
+};
+
 template <class Kind>
 Path through(uint64_t seed, double rest_s, double duration_s, const Mat3& R_LB) {
   constexpr double kSpacing_s = 0.04;  // a wave of 3 Hz keeps 87 % of its height
@@ -185,6 +259,12 @@ bool find_motion(const std::string& name, Motion& out) {
   return false;
 }
 
+Vec3 axle_L(const std::string& path) {
+  Motion motion = Motion::kHover;
+  const bool driven = find_motion(path, motion) && motion >= Motion::kSpot;
+  return driven ? Driven::kAxle_L : Vec3(0, 0, -0.4);
+}
+
 Path make_motion(Motion motion, uint64_t seed, double rest_s, double duration_s, const Mat3& R_LB) {
   switch (motion) {
     case Motion::kHover:
@@ -193,6 +273,14 @@ Path make_motion(Motion motion, uint64_t seed, double rest_s, double duration_s,
       return through<Loop>(seed, rest_s, duration_s, R_LB);
     case Motion::kHandheld:
       return through<Handheld>(seed, rest_s, duration_s, R_LB);
+    case Motion::kSpot:
+      return through<Spot>(seed, rest_s, duration_s, R_LB);
+    case Motion::kRamps:
+      return through<Ramps>(seed, rest_s, duration_s, R_LB);
+    case Motion::kCircuit:
+      return through<Circuit>(seed, rest_s, duration_s, R_LB);
+    case Motion::kStraight:
+      return through<Straight>(seed, 0, duration_s, R_LB);
     default:
       return through<Vehicle>(seed, rest_s, duration_s, R_LB);
   }

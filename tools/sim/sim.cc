@@ -307,6 +307,12 @@ void simulate(const SimOptions& options, const SimProgress& progress) {
   if (!options.gnss.kind.empty()) {
     write_gnss(options.gnss, read_trajectory(mav0 + kTruth), options.seed, mav0 + "/gnss0");
   }
+  if (!options.wheels.kind.empty()) {
+    const Mat3 R_BL = device.R_LB.transpose();
+    const SE3 T_BV{R_BL, R_BL * axle_L(options.path)};
+    write_wheels(options.wheels, read_trajectory(mav0 + kTruth), T_BV, options.seed,
+                 mav0 + "/wheel0");
+  }
   draw_all(job, progress);
 }
 

@@ -1,7 +1,7 @@
 // What    Simulates a recording: a device flown through a textured hall, written as an ASL folder.
 // In      SimOptions; the same options give the same bytes, however many threads draw.
 // Out     mav0/ with cam0, cam1, imu0, state_groundtruth_estimate0 (17 columns at IMU rate), and
-//         gnss0 if asked for.
+//         gnss0 and wheel0 if asked for.
 // Frames  B = IMU; W: z up.
 // Units   s, Hz, grey values, SI.
 // Errors  InputError: unknown device, folder cannot be written, nonsensical numbers.
@@ -15,6 +15,7 @@
 #include "tools/sim/device.h"
 #include "tools/sim/gnss_model.h"
 #include "tools/sim/imu_model.h"
+#include "tools/sim/wheel_model.h"
 
 namespace pirvs::tools {
 
@@ -48,6 +49,7 @@ struct SimOptions {
   double mover_from_s = 0;  // 0: it is there from the start
   GnssOptions gnss;
   std::string gnss_of;  // only the fixes along this recording's truth: out is a gnss0
+  WheelOptions wheels;
   std::string format = "png";
   int threads = 2;
 };

@@ -21,7 +21,9 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--path", o.path,
                  "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity), "
                  "'hover', 'loop' (the same places again), 'handheld' (steps and shakes), "
-                 "'vehicle' (on a floor, stops) or a ground-truth file (ASL csv, TUM)")
+                 "'vehicle' (on a floor, stops); a vehicle with the camera ahead of its axle: "
+                 "'straight', 'spot' (turns), 'ramps', 'circuit' (300 m); or a ground-truth file "
+                 "(ASL csv, TUM)")
       ->capture_default_str();
   app.add_option("--duration", o.duration_s,
                  "length of the recording, s; with a ground-truth file: at most")
@@ -114,6 +116,28 @@ void declare_gnss(CLI::App& app, SimOptions& options) {
                  "pirvs run SEQ --gnss OUT/data.csv");
 }
 
+void declare_wheels(CLI::App& app, WheelOptions& o) {
+  app.add_option("--wheels", o.kind,
+                 "add wheels that tell left_right (speeds), twist (speed, turn rate), ticks "
+                 "(counters) or steering (speed, angle)")
+      ->check(CLI::IsMember({"left_right", "twist", "ticks", "steering"}));
+  app.add_option("--wheels-rate", o.rate_hz, "samples per second")
+      ->capture_default_str()
+      ->check(CLI::Range(1.0, 1000.0));
+  app.add_option("--wheels-noise", o.sigma_m_s, "standard deviation of a speed, m/s")
+      ->capture_default_str()
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--wheels-scale", o.scale, "what wheels tell over the truth: 1.02, worn tyres")
+      ->capture_default_str()
+      ->check(CLI::Range(0.1, 10.0));
+  app.add_option("--wheels-ticks", o.ticks_per_turn, "counts per turn of a wheel of 0.1 m radius")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 1000000));
+  app.add_option("--wheels-spin", o.spin_m_s, "by how much the left wheel spins too fast, m/s");
+  app.add_option("--wheels-spin-from", o.spin_from_s, "start of the spin, s");
+  app.add_option("--wheels-spin-for", o.spin_for_s, "length of the spin, s");
+}
+
 void declare_image(CLI::App& app, SimOptions& o) {
   app.add_option("--exposure", o.exposure_ms, "exposure time, ms")
       ->capture_default_str()
@@ -167,6 +191,7 @@ std::function<int()> declare(CLI::App& app) {
   declare_imu(app, *options);
   declare_image(app, *options);
   declare_gnss(app, *options);
+  declare_wheels(app, options->wheels);
   return [options] {
     {
       std::unique_ptr<Progress> bar;
