@@ -47,7 +47,8 @@ TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
   board/linux/settings.cc board/linux/text_commands.cc board/linux/link_settings.cc \
-  board/linux/endpoint_text.cc board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
+  board/linux/endpoint_text.cc board/linux/serial_text.cc board/linux/gnss_settings.cc \
+  board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
   modules/gnss/% modules/link/% modules/health/% \
   modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
   bsp/linux/clock.cc \
@@ -76,8 +77,8 @@ TOOLS := -isystem /usr/include/opencv4
 IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
-  -lopencv_imgproc -lopencv_core -lyaml-cpp -lgpiod -lddsc -lceres \
-  -lglog -lapriltag -lpthread
+  -lopencv_imgproc -lopencv_core -lyaml-cpp -lsqlite3 -llz4 -lzstd -lbz2 -lgpiod -lddsc \
+  -lceres -lglog -lapriltag -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
@@ -119,17 +120,29 @@ $(LINK_CLIENT): tests/link/package.json tests/link/package-lock.json | $(BUILD)/
 	-@cd $(BUILD)/link && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
 	-@touch $@
 
-# A reader of /odom that shares ROS's definition of it with ours, and no more.
-ODOM_READER := $(BUILD)/ros2/odom_reader
-$(ODOM_READER): tests/ros2/odom_reader.c $(IDL)/Odometry.c
+# Writers of logs, fetched once, too.
+LOG_WRITER := $(BUILD)/logs/node_modules/.package-lock.json
+$(LOG_WRITER): tests/logs/package.json tests/logs/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/logs && cp $^ $(BUILD)/logs
+	-@cd $(BUILD)/logs && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
+	-@touch $@
+
+# A reader of our topics that shares ROS's definitions of them with ours, and no more.
+ROS2_READER := $(BUILD)/ros2/reader
+$(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
 	@mkdir -p $(@D)
 	@gcc -O1 -Wall -Wextra -I$(IDL) $^ -lddsc -o $@
 
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(ODOM_READER) $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
 	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+
+# What people reported, if ../shared is there; CASES=01,04 some of them.
+CASES ?=
+cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
+	@tools/cases/cases --pirvs $(OUT)/pirvs $(if $(CASES),--only $(CASES)) $(ARGS)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
@@ -182,7 +195,7 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 
 # All that is fetched besides packages of this machine, 470 MB; else each comes when it is wanted.
 .PHONY: fetch
-fetch: $(LINK_CLIENT) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+fetch: $(LINK_CLIENT) $(LOG_WRITER) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200
@@ -215,14 +228,14 @@ check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap,
 # objects(tree, sources)
 objects = $(patsubst %.cc,$(1)/obj/%.o,$(2))
 
-$(IDL)/Odometry.c: tools/ros2/Odometry.idl | $(BUILD)/setup.stamp
+$(IDL)/Messages.c: tools/ros2/Messages.idl | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	@idlc -o $(@D) $<
-$(IDL)/Odometry.h: $(IDL)/Odometry.c
-$(IDL)/Odometry.o: $(IDL)/Odometry.c
+$(IDL)/Messages.h: $(IDL)/Messages.c
+$(IDL)/Messages.o: $(IDL)/Messages.c
 	@gcc -O1 -c $< -o $@
-IDL_USERS := $(OUT)/obj/tools/ros2/odometry_topic.o $(OUT_SAN)/obj/tools/ros2/odometry_topic.o
-$(IDL_USERS): $(IDL)/Odometry.h
+IDL_USERS := $(OUT)/obj/tools/ros2/topics.o $(OUT_SAN)/obj/tools/ros2/topics.o
+$(IDL_USERS): $(IDL)/Messages.h
 
 LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
 LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
@@ -280,10 +293,10 @@ $(OUT)/libpirvs.a: $(LIB_OBJ) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 $(OUT_SAN)/libpirvs.a: $(LIB_OBJ_SAN) $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT)/libtools.a: $(TOOL_OBJ) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT)/libtools.a: $(TOOL_OBJ) $(IDL)/Messages.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
-$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Odometry.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
+$(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Messages.o $(BUILD)/sources.list | $(BUILD)/setup.stamp
 	@mkdir -p $(@D)
 	$(archive)
 

@@ -88,8 +88,8 @@ TEST(trust, an_imu_of_other_axes_is_given_up) {
   } cases[] = {
       {"gyro of the other sign", [](ImuSample& s) { s.w_B *= -1; }, "hopeless"},
       {"one axis mirrored", [](ImuSample& s) { s.w_B.y() *= -1, s.f_B.y() *= -1; }, "hopeless"},
-      {"accelerometer in g", [](ImuSample& s) { s.f_B /= 9.81; }, "in g?"},
-      {"gyro in degrees", [](ImuSample& s) { s.w_B *= 57.3; }, "in degrees?"},
+      {"accelerometer in g", [](ImuSample& s) { s.f_B /= 9.81; }, "give m/s^2, not g"},
+      {"gyro in degrees", [](ImuSample& s) { s.w_B *= 57.3; }, "give rad/s, not deg/s"},
   };
   for (const auto& one : cases) {
     Recording wrong = *clip();

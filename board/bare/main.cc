@@ -11,7 +11,7 @@
 //           fault=KIND      null, stack, hang or assert: do that at a frame, to see the report
 //           fault_at=N      at which (default 20); fault_core=N on that core, one at rest
 // Out     Every pose on the console, "pose" and a line of TUM; trajectory.tum and timing.csv where
-//         there are files; at the end counters, stacks and instructions.
+//         there are files, with fixes fused.tum, too; at the end counters, stacks and instructions.
 // Errors  Exit code as pirvs run: 0 done, 1 tracking failed or was lost at the end, 2 bad input;
 //         and 3, safe state after a fault.
 #include <cstring>
@@ -19,6 +19,7 @@
 #include "board/bare/bench.h"
 #include "board/bare/board.h"
 #include "board/bare/fault_injection.h"
+#include "board/bare/pack_input.h"
 #include "board/bare/pin_watch.h"
 #include "board/bare/profile.h"
 #include "board/bare/robot_link.h"
@@ -48,10 +49,11 @@ App app;  // in the pools' memory, see linker/bare.ld
 
 struct Run {
   bsp::Pack pack;
-  bsp::File trajectory, timing;
+  bsp::File trajectory, timing, fused;
   bool has_files = false;
   bool write_failed = false;
-  uint32_t frames = 0, poses = 0;
+  uint32_t frames = 0, poses = 0, fused_poses = 0;
+  TimeNs fused_t = INT64_MIN;  // of the last one
   HealthState health = HealthState::kInitializing;
   FaultInjection fault;
 
@@ -92,6 +94,17 @@ void on_frame(void*, const FrameReport& report) {
   run.fault.on_frame(run.frames);
 }
 
+// The first word on each time, which is causal: a fix that came late tells the newest time again.
+void on_fused(void*, const FusedPose& pose) {
+  if (pose.t <= run.fused_t) return;
+  run.fused_t = pose.t;
+  ++run.fused_poses;
+  Text<256> line;
+  put_tum(line, pose.t, pose.T_EB);
+  line.put('\n');
+  run.write(run.fused, line);
+}
+
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   robot_link_health(state, what);
   Text<128> line;
@@ -99,14 +112,12 @@ void on_health(void*, TimeNs t, HealthState state, const char* what) {
   say(line);
 }
 
-Calibration calibration_of(const bsp::Pack& pack) {
-  const bsp::PackHeader& header = pack.header();
-  Calibration out;
-  for (int c = 0; c < kCamerasMax; ++c) out.camera[c] = pack.camera(c);
-  out.imu = {header.gyro_noise, header.gyro_walk, header.accel_noise, header.accel_walk,
-             header.rate_hz};
-  out.camera_time_offset_ns = header.camera_time_offset_ns;
-  return out;
+// Fixes, each at its turn.
+bool next_fix(void*, Arrival& out) {
+  bsp::PackedFix fix;
+  if (!run.pack.next_fix(fix)) return false;
+  out = arrival_of(fix_of(fix));
+  return true;
 }
 
 // Small decimal numbers of the command line; fallback if the word is missing or no number.
@@ -151,6 +162,8 @@ Status open_recording() {
   if (status == Status::kOk) {
     line.put(", ").unsigned_number(run.pack.header().frame_count).put(" frames, ");
     line.unsigned_number(run.pack.header().imu_count).put(" IMU samples");
+    const uint32_t fixes = run.pack.header().fix_count;
+    if (fixes > 0) line.put(", ").unsigned_number(fixes).put(" fixes");
     for (int c = 0; c < kCamerasMax; ++c) {
       const Camera camera = run.pack.camera(c);
       if (!image_fits(camera.width, camera.height)) {
@@ -172,6 +185,11 @@ Status open_files() {
   if (!trajectory.ok()) return trajectory.status();
   const Result<bsp::File> timing = bsp::storage_open("timing.csv");
   if (!timing.ok()) return timing.status();
+  if (run.pack.header().fix_count > 0) {
+    const Result<bsp::File> fused = bsp::storage_open("fused.tum");
+    if (!fused.ok()) return fused.status();
+    run.fused = fused.value();
+  }
   run.trajectory = trajectory.value();
   run.timing = timing.value();
   run.has_files = true;
@@ -186,6 +204,8 @@ void close_files() {
   for (const bsp::File file : {run.trajectory, run.timing}) {
     if (bsp::storage_close(file) != Status::kOk) run.write_failed = true;
   }
+  if (run.pack.header().fix_count == 0) return;
+  if (bsp::storage_close(run.fused) != Status::kOk) run.write_failed = true;
 }
 
 // An emulator's cores take turns, an instruction a nanosecond: its budgets say nothing.
@@ -222,6 +242,7 @@ void say_end(const CorePlan& plan, const bsp::Cycles& spent, TimeNs duration) {
   line.fixed(to_seconds(duration), kMicros).put(" s");
   say(line);
   line.unsigned_number(run.frames).put(" frames, ").unsigned_number(run.poses).put(" poses, ");
+  if (run.fused_poses > 0) line.unsigned_number(run.fused_poses).put(" on the Earth, ");
   line.put(name(run.health)).put(" at the end");
   say(line);
 }
@@ -288,9 +309,11 @@ int application() {
   AppSinks sinks;
   sinks.frame = on_frame;
   sinks.health = on_health;
+  sinks.fused = on_fused;
   sinks.answer = [](void*, const Answer& answer) { robot_link_answer(answer); };
   const Calibration calibration = calibration_of(run.pack);
   app.configure(calibration, params, sinks);
+  app.replay_inbox({nullptr, next_fix});
   app.pace(free && cores > 1 ? fast_may_go_on : lockstep_may_go_on);
   const bool profiled = bsp::boot_argument("profile");
   if (profiled) profile_start();

@@ -1,7 +1,7 @@
 #include "board/linux/link_settings.h"
 
 #include "board/linux/endpoint_text.h"
-#include "bsp/linux/tty.h"
+#include "board/linux/serial_text.h"
 #include "core/config/key_values.h"
 #include "core/math/trig.h"
 
@@ -21,19 +21,8 @@ const char* read_own_port(std::string_view value, LinkSettings& out) {
   return nullptr;
 }
 
-const char* read_serial(std::string_view value, LinkSettings& out) {
-  const size_t colon = value.rfind(':');
-  int64_t baud = 0;
-  if (colon != std::string_view::npos) {
-    const std::string_view speed(value.data() + colon + 1, value.size() - colon - 1);
-    if (!read_whole(speed, 1, 4'000'000, baud) || !bsp::is_baud(baud)) {
-      return "no speed of a serial line behind the colon, as 115200, 460800, 921600";
-    }
-    value = {value.data(), colon};
-  }
-  if (value.empty()) return "a tty and its speed, as /dev/ttyS1:921600";
-  out.baud = static_cast<int>(baud);
-  return read_text(value, out.serial);
+const char* read_wire(std::string_view value, LinkSettings& out) {
+  return read_serial(value, out.serial, out.baud);
 }
 
 const char* read_rate(std::string_view value, LinkSettings& out) {
@@ -76,11 +65,8 @@ const char* read_mounting(std::string_view value, LinkSettings& out) {
   return nullptr;
 }
 
-constexpr struct {
-  std::string_view name;
-  const char* (*read)(std::string_view, LinkSettings&);
-} kKeys[] = {
-    {"udp", read_udp},       {"own_port", read_own_port},     {"serial", read_serial},
+constexpr SettingKey<LinkSettings> kKeys[] = {
+    {"udp", read_udp},       {"own_port", read_own_port},     {"serial", read_wire},
     {"rate_hz", read_rate},  {"frame", read_frame},           {"messages", read_messages},
     {"system", read_system}, {"mounting_deg", read_mounting},
 };
@@ -89,12 +75,7 @@ constexpr struct {
 
 const char* set_link_setting(LinkSettings& settings, std::string_view name,
                              std::string_view value) {
-  for (const auto& key : kKeys) {
-    if (key.name != name) continue;
-    settings.is_set = true;
-    return key.read(value, settings);
-  }
-  return "no such key";
+  return read_key(kKeys, name, value, settings);
 }
 
 }  // namespace pirvs::board

@@ -8,26 +8,25 @@
 #include <cstring>
 
 #include "board/linux/board.h"
+#include "board/linux/gnss_receiver.h"
 #include "board/linux/heap_watch.h"
 #include "board/linux/image_share.h"
+#include "board/linux/input.h"
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
 #include "board/linux/recordings.h"
 #include "board/linux/robot_link.h"
+#include "board/linux/say.h"
 #include "board/linux/serial_link.h"
 #include "board/linux/settings.h"
 #include "board/linux/stream_output.h"
 #include "board/linux/watchdog.h"
 #include "board/linux/wiring.h"
 #include "bsp/api/clock.h"
-#include "bsp/api/console.h"
 #include "bsp/api/events.h"
 #include "bsp/linux/cores.h"
 #include "bsp/linux/events.h"
-#include "bsp/linux/text_file.h"
 #include "core/base/text.h"
-#include "modules/calibration/calibration_check.h"
-#include "modules/calibration/calibration_text.h"
 
 namespace pirvs::board {
 namespace {
@@ -60,29 +59,15 @@ Watchdog watchdog;
 Recordings recordings;
 SerialLink serial;
 RobotLink robot;
+GnssReceiver gnss;
 ImageShare images;
 Calibration calibration;
-char config_text[kSettingsTextMax];
-char calibration_text[kCalibrationTextMax + kSettingsTextMax];
 
 volatile sig_atomic_t stop_wanted = 0;
 
 void on_signal(int) {
   stop_wanted = 1;
   bsp::wake(0);
-}
-
-void say(TextWriter& line) {
-  line.put('\n');
-  bsp::console_write(line.c_str());
-  line.clear();
-}
-
-// pirvsd: where: what
-void say(const char* where, const char* what) {
-  Text<512> line;
-  line.put("pirvsd: ").put(where).put(": ").put(what);
-  say(line);
 }
 
 void on_news(void*, const char* device, const char* what) { say(device, what); }
@@ -115,7 +100,10 @@ void on_sync_in(void*, const SyncEvent& event) {
   stream_output.event(event);
 }
 
-void on_pps(void*, const bsp::Pps& pps) { stream_output.pps(pps); }
+void on_pps(void*, const bsp::Pps& pps) {
+  stream_output.pps(pps);
+  gnss.pulse(pps);
+}
 
 void on_health(void*, TimeNs t, HealthState state, const char* what) {
   pins.health(state);
@@ -138,106 +126,6 @@ void on_late(void*, TimeNs t, const LateTask& task) {
   line.unsigned_number(task.overruns).put(" steps over budget, ");
   line.unsigned_number(task.slips).put(" asked too late");
   say(line);
-}
-
-// ---- input -------------------------------------------------------------------------------------
-
-// The whole file as text; says why not.
-bool read_file(const char* path, char* out, size_t max, std::string_view& text) {
-  const char* const why = bsp::read_text_file(path, out, max, text);
-  if (why != nullptr) say(path, why);
-  return why == nullptr;
-}
-
-bool say_fault(const char* path, const ConfigFault& fault) {
-  Text<512> line;
-  line.put("pirvsd: ");
-  put_fault(line, path, fault);
-  say(line);
-  return false;
-}
-
-bool take_setting(std::string_view key, std::string_view value) {
-  const char* const why = set_setting(settings, key, value);
-  return why == nullptr || say_fault("command line", {0, why, key});
-}
-
-bool take_cameras(std::string_view value) {
-  const size_t comma = value.find(',');
-  const size_t end = comma == std::string_view::npos ? value.size() : comma;
-  if (!take_setting("camera.left", {value.data(), end})) return false;
-  if (end == value.size()) return true;
-  return take_setting("camera.right", {value.data() + end + 1, value.size() - end - 1});
-}
-
-bool take_assignment(std::string_view text) {
-  const size_t equals = text.find('=');
-  if (equals == std::string_view::npos) {
-    return say_fault("command line", {0, "--set wants KEY=VALUE", text});
-  }
-  return take_setting({text.data(), equals}, {text.data() + equals + 1, text.size() - equals - 1});
-}
-
-bool take_option(const char* option, const char* value) {
-  if (std::strcmp(option, "--camera") == 0) return take_cameras(value);
-  if (std::strcmp(option, "--imu") == 0) return take_setting("imu", value);
-  if (std::strcmp(option, "--calibration") == 0) return take_setting("calibration", value);
-  if (std::strcmp(option, "--set") == 0) return take_assignment(value);
-  return say_fault("command line", {0, "no such option, see --help", option});
-}
-
-// A path of the file is meant from where the file lies.
-void from_folder_of(const char* file, SettingText& path) {
-  const char* const slash = std::strrchr(file, '/');
-  if (path.text[0] == 0 || path.text[0] == '/' || slash == nullptr) return;
-  Text<sizeof(path.text)> joined;
-  for (const char* c = file; c <= slash; ++c) joined.put(*c);
-  joined.put(path.text);
-  if (!joined.full()) std::memcpy(path.text, joined.c_str(), joined.size() + 1);
-}
-
-bool read_config(const char* path) {
-  std::string_view text;
-  if (!read_file(path, config_text, sizeof config_text, text)) return false;
-  if (const ConfigFault fault = read_settings(text, settings)) return say_fault(path, fault);
-  from_folder_of(path, settings.calibration);
-  return true;
-}
-
-bool read_command_line(int argc, char** argv) {
-  int at = 1;
-  if (at < argc && argv[at][0] != '-' && !read_config(argv[at++])) return false;
-  for (; at < argc; at += 2) {
-    if (at + 1 == argc) {
-      return say_fault("command line", {0, "a value is missing, see --help", argv[at]});
-    }
-    if (!take_option(argv[at], argv[at + 1])) return false;
-  }
-  if (kBoard.media == nullptr && isp_of(settings.camera[0]) >= 0) {
-    return say_fault("settings", {0, "this board has no ISPs, name a video node", "camera.left"});
-  }
-  finish_settings(settings);
-  const ConfigFault fault = find_missing(settings);
-  return !fault || say_fault("settings", fault);
-}
-
-bool read_device_calibration() {
-  const char* const path = settings.calibration.text;
-  std::string_view text;
-  if (!read_file(path, calibration_text, sizeof calibration_text, text)) return false;
-  if (const ConfigFault fault = read_calibration(text, calibration)) return say_fault(path, fault);
-  if (settings.camera[1].text[0] == 0 && calibration.cameras == 2) {
-    say(settings.camera[0].text, "no camera.right: tracking with the left one alone");
-    calibration.cameras = 1;
-  }
-  if (const CalibrationFault fault = find_fault(calibration)) {
-    Text<512> line;
-    line.put("pirvsd: ").put(path).put(", ").put(fault.where).put(": ").put(fault.what);
-    line.put(": ").put(fault.what_to_do);
-    say(line);
-    return false;
-  }
-  return true;
 }
 
 // ---- the machine -------------------------------------------------------------------------------
@@ -351,6 +239,7 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
   for_each_counter(images.counters(), kImageShareRows,
                    [](const char* name, uint32_t value) { named("images", name, value); });
   robot.for_each_counter([](const char* name, uint32_t value) { named("link", name, value); });
+  gnss.for_each_counter([](const char* name, uint32_t value) { named("gnss", name, value); });
   named("output", "lines", poses.written());
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
@@ -407,9 +296,21 @@ void start_links() {
   if (status != Status::kOk) say(settings.images.text, "images cannot be given out there");
 }
 
+void start_gnss() {
+  if (!settings.gnss.is_wanted()) return;
+  GnssSinks sinks;
+  sinks.deliver = [](void*, const Arrival& arrival) { return app.deliver(arrival); };
+  sinks.now = bsp::now;
+  sinks.news.tell = on_news;
+  const char* why = gnss.open(settings.gnss, sinks);
+  if (why == nullptr) why = gnss.start_thread();
+  if (why != nullptr) say("gnss", why);
+}
+
 void end_links() {
   serial.close();
   robot.close();
+  gnss.close();
   images.close();
 }
 
@@ -425,6 +326,8 @@ int run() {
   sinks.frame = on_frame;
   sinks.health = on_health;
   sinks.late = on_late;
+  sinks.fused = [](void*, const FusedPose& pose) { stream_output.fused(pose); };
+  sinks.imu = [](void*, const ImuSample& sample) { stream_output.imu(sample); };
   sinks.answer = on_answer;
   sinks.new_recording = [](void*) { return recordings.next(); };
   app.configure(calibration, settings.params, sinks);
@@ -436,6 +339,7 @@ int run() {
   }
   if (!start_cameras_trigger()) return kExitBadInput;
   start_links();
+  start_gnss();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
     say(settings.watchdog.text, why);
@@ -473,7 +377,7 @@ int run() {
 
 // A pin stays as it was when the program that drove it is killed.
 int put_health_low(const char* config) {
-  if (!read_config(config)) return kExitBadInput;
+  if (!read_config(config, settings)) return kExitBadInput;
   const char* const pin = settings.pins.health.text;
   if (pin[0] == 0) return kExitDone;
   bsp::OutputPin health;
@@ -488,7 +392,9 @@ int main_of(int argc, char** argv) {
     return kExitDone;
   }
   if (argc == 3 && std::strcmp(argv[2], "--health-low") == 0) return put_health_low(argv[1]);
-  if (!read_command_line(argc, argv) || !read_device_calibration()) return kExitBadInput;
+  const bool has_isps = kBoard.media != nullptr;
+  if (!read_command_line(argc, argv, has_isps, settings)) return kExitBadInput;
+  if (!read_device_calibration(settings, calibration)) return kExitBadInput;
   obey_signals();
   take_the_machine();
   return run();

@@ -9,6 +9,7 @@
 
 #include "board/linux/testing_line_test.h"
 #include "bsp/api/clock.h"
+#include "bsp/replay/sensors.h"
 
 namespace pirvs::board {
 namespace {
@@ -225,6 +226,78 @@ TEST_F(RobotLinkTest, AFloodIsHeardAPieceAtATime) {
   EXPECT_LE(once, RobotLink::kBytesAtOnce + noise.size());
   link_.poll();
   EXPECT_GT(skipped(), once);
+}
+
+// The whole way: bytes of the line, the door, fusion.
+TEST_F(RobotLinkTest, AFixOfTheRobotsReachesFusion) {
+  constexpr TimeNs kBegin = 1'000'000 * kMilli;
+  int sample = 0;  // of a second
+  bsp::RecordingSource imu{};
+  imu.context = &sample;
+  imu.next_imu = [](void* context, ImuSample& out) {
+    int& k = *static_cast<int*>(context);
+    out = {kBegin + 5 * kMilli * k, Vec3::Zero(), Vec3(0, 0, 9.81)};
+    return k++ < 200;
+  };
+  imu.next_frame = [](void*, StereoFrame&) { return false; };
+  imu.release_frame = [](void*, FrameId) {};
+  bsp::play(imu, bsp::ReplayPace::kFast);
+  Calibration calibration;
+  for (Camera& camera : calibration.camera) {
+    camera.width = 320;
+    camera.height = 240;
+    camera.fx = camera.fy = 200;
+    camera.cx = 160;
+    camera.cy = 120;
+  }
+  std::vector<FixGate> gates;
+  std::vector<FusedPose> fused;
+  struct Heard {
+    std::vector<FixGate>& gates;
+    std::vector<FusedPose>& fused;
+  } heard_by_sinks{gates, fused};
+  AppSinks sinks;
+  sinks.context = &heard_by_sinks;
+  sinks.fix = [](void* to, const GnssFix&, FixGate gate) {
+    static_cast<Heard*>(to)->gates.push_back(gate);
+  };
+  sinks.fused = [](void* to, const FusedPose& pose) {
+    static_cast<Heard*>(to)->fused.push_back(pose);
+  };
+  app_->configure(calibration, AppParams{}, sinks);
+  line_.plug();
+  open_serial();
+  poll_at(kBegin + 400 * kMilli);
+  GpsInput fix;
+  fix.lat_1e7_deg = 473'977'000;
+  fix.lon_1e7_deg = 85'456'000;
+  fix.alt_m = 488;
+  fix.fix_type = 3;
+  fix.horiz_accuracy_m = 1.5f;
+  fix.vert_accuracy_m = 3;
+  fix.ignore_flags = GpsInput::kNoSpeed;
+  GpsRawInt raw;
+  raw.lat_1e7_deg = fix.lat_1e7_deg + 10;
+  raw.lon_1e7_deg = fix.lon_1e7_deg;
+  raw.alt_mm = raw.alt_ellipsoid_mm = 488'000;
+  raw.fix_type = 3;
+  raw.h_acc_mm = 1'500;
+  raw.v_acc_mm = 3'000;
+  Sender sender{1, 1, 0};
+  const auto tell = [&](const auto& message, TimeNs t) {
+    uint8_t bytes[kFrameMax];
+    const size_t size = encode(message, sender, bytes);
+    line_.type(std::string(reinterpret_cast<const char*>(bytes), size));
+    poll_at(t);
+  };
+  tell(fix, kBegin + 500 * kMilli);
+  tell(raw, kBegin + 700 * kMilli);
+  (void)app_->run(CorePlan{}, Drive::kLockstep);
+  EXPECT_EQ(gates, (std::vector<FixGate>{FixGate::kAccepted, FixGate::kAccepted}));
+  ASSERT_EQ(fused.size(), 2u);
+  EXPECT_EQ(fused[0].t, kBegin + 500 * kMilli);
+  EXPECT_NEAR(fused[0].place.height_m, 488, 1e-3);
+  EXPECT_EQ(fused[1].t, kBegin + 700 * kMilli);
 }
 
 }  // namespace

@@ -12,7 +12,7 @@ namespace pirvs::board {
 namespace {
 
 constexpr TimeNs kMicro = 1'000, kMilli = 1'000'000;
-constexpr std::string_view kParameter = "parameter.", kLink = "link.";
+constexpr std::string_view kParameter = "parameter.", kLink = "link.", kGnss = "gnss.";
 
 template <class Enum>
 struct Choice {
@@ -350,6 +350,9 @@ const char* set_setting(Settings& settings, std::string_view key, std::string_vi
   }
   const std::string_view link = behind(key, kLink);
   if (!link.empty()) return set_link_setting(settings.link, link, value);
+  if (key == "gnss") return set_gnss_setting(settings.gnss, "", value);
+  const std::string_view gnss = behind(key, kGnss);
+  if (!gnss.empty()) return set_gnss_setting(settings.gnss, gnss, value);
   if (is_usb_key(key)) {
     UsbSettings usb;  // pirvs-usb's: here for their faults alone
     return set_usb_setting(usb, key, value);
@@ -419,6 +422,12 @@ ConfigFault find_missing(const Settings& settings) {
   if (link.serial.text[0] != 0 && same(link.serial, settings.serial)) {
     return {0, "the text of output.serial goes there", "link.serial"};
   }
+  const GnssSettings& gnss = settings.gnss;
+  if (gnss.serial.text[0] != 0 &&
+      (same(gnss.serial, settings.serial) || same(gnss.serial, link.serial))) {
+    return {0, "another line of the device's goes there", "gnss"};
+  }
+  if (!gnss.is_wanted() && gnss.is_set) return {0, "a receiver needs a line", "gnss"};
   if (!link.is_wanted() && link.is_set)
     return {0, "a link needs a wire", "link.udp or link.serial"};
   return find_trigger_fault(settings);

@@ -31,6 +31,8 @@
 //           output.poses = 192.168.7.2:14550     the same lines as datagrams, at IMU rate
 //           output.serial = /dev/ttyGS0          the same lines, and commands (text_commands.h)
 //           output.images = /run/pirvs/images    to one other program that asks (image_share.h)
+//           gnss = /dev/ttyS4:115200             a receiver, or udp:...; gnss.NAME = VALUE
+//                                                (board/linux/gnss_settings.h)
 //           link.NAME = VALUE                    to an autopilot (board/linux/link_settings.h)
 //           usb.NAME = VALUE                     pirvs-usb's (board/usb/usb_settings.h)
 //           output.stream = 192.168.7.1:14560    where to listen for those who want the stream;
@@ -56,6 +58,7 @@
 
 #include <string_view>
 
+#include "board/linux/gnss_settings.h"
 #include "board/linux/link_settings.h"
 #include "board/linux/setting_text.h"
 #include "board/linux/wiring.h"
@@ -99,6 +102,7 @@ struct Settings {
   bool has_stream = false;
   bsp::Endpoint stream;
   LinkSettings link;
+  GnssSettings gnss;
   PinSettings pins;
   SettingText record, recordings;
   bool realtime = true;

@@ -220,5 +220,33 @@ TEST(Settings, WhatIsMissingIsNamed) {
   EXPECT_EQ(find_missing(out).key, "imu");
 }
 
+TEST(Settings, AReceiverOfGnss) {
+  const std::string whole =
+      "calibration = calibration.cfg\ncamera.left = /dev/video0\nimu = iio:0\n";
+  Settings out;
+  ASSERT_FALSE(read_settings(whole + "gnss = /dev/ttyS4:115200\ngnss.latency_ms = 50\n"
+                                     "gnss.antenna_m = 0.1 0 -0.2\ngnss.time_offset_ms = -3\n",
+                             out));
+  EXPECT_FALSE(find_missing(out));
+  EXPECT_STREQ(out.gnss.serial.text, "/dev/ttyS4");
+  EXPECT_EQ(out.gnss.baud, 115'200);
+  EXPECT_EQ(out.gnss.latency_ns, 50'000'000);
+  GnssAntenna antenna;
+  put_antenna(out.gnss, antenna);
+  EXPECT_EQ(antenna.p_BA, Vec3(0.1, 0, -0.2));
+  EXPECT_EQ(antenna.time_offset_ns, -3'000'000);
+  for (const char* wrong : {"gnss = /dev/ttyS4:fast", "gnss = udp:here", "gnss.latency_ms = -1",
+                            "gnss.antenna_m = 1", "gnss.time_offset_ms = 2000", "gnss.rate = 5"}) {
+    Settings bad;
+    EXPECT_TRUE(read_settings(wrong, bad)) << wrong;
+  }
+  Settings alone;
+  ASSERT_FALSE(read_settings(whole + "gnss.latency_ms = 50\n", alone));
+  EXPECT_STREQ(find_missing(alone).what, "a receiver needs a line");
+  Settings twice;
+  ASSERT_FALSE(read_settings(whole + "gnss = /dev/ttyS1\nlink.serial = /dev/ttyS1\n", twice));
+  EXPECT_STREQ(find_missing(twice).key.data(), "gnss");
+}
+
 }  // namespace
 }  // namespace pirvs::board

@@ -140,6 +140,16 @@ void StreamOutput::pps(const bsp::Pps& pps) {
            [&](uint32_t sequence) { return stream::encode(message, sequence, bytes_); });
 }
 
+void StreamOutput::fused(const FusedPose& pose) {
+  if (!open_) return;
+  send_all(Kind::kFused, [&](uint32_t sequence) { return stream::encode(pose, sequence, bytes_); });
+}
+
+void StreamOutput::imu(const ImuSample& sample) {
+  if (!open_) return;
+  send_all(Kind::kImu, [&](uint32_t sequence) { return stream::encode(sample, sequence, bytes_); });
+}
+
 void StreamOutput::frame(const StereoFrame& frame) {
   if (!open_ || now_ < thumbnail_t_ || !anybody_wants(Kind::kThumbnail)) return;
   const ImageView& image = (frame.present & 1) != 0 ? frame.image[0] : frame.image[1];

@@ -1,6 +1,7 @@
 // The device's datagrams to whoever asks for them: modules/stream/stream.h.
 // In      open(): where to listen, and the stack. All others from core 0: pose(), health(),
-//         event(), pps() and frame() as they come, poll() as often as core 0 comes round.
+//         event(), pps(), fused(), imu() and frame() as they come, poll() as often as core 0 comes
+//         round.
 // Out     To each subscriber the kinds that it asked for, until its lease ends; poses and events as
 //         they come, counters once a second, points and thumbnails twice.
 // Errors  open: nullptr, or why not. More than kSubscribersMax: refused and counted. Datagrams that
@@ -44,6 +45,8 @@ class StreamOutput {
   void health(TimeNs t, HealthState state, const char* why);
   void event(const SyncEvent& event);
   void pps(const bsp::Pps& pps);
+  void fused(const FusedPose& pose);
+  void imu(const ImuSample& sample);
   void frame(const StereoFrame& frame);
   void poll();
 

@@ -39,12 +39,14 @@ Status Pack::open(const void* bytes, size_t size) {
   // A loader may round the size up to whole pages.
   if (header.bytes > size || header.bytes % 8 != 0) return Status::kBadData;
   const uint64_t tables = sizeof header + header.imu_count * sizeof(PackedSample) +
-                          header.frame_count * sizeof(PackedFrame);
+                          header.frame_count * sizeof(PackedFrame) +
+                          header.fix_count * sizeof(PackedFix);
   if (tables > header.bytes) return Status::kBadData;
   bytes_ = static_cast<const uint8_t*>(bytes);
   header_ = &header;
   samples_ = reinterpret_cast<const PackedSample*>(bytes_ + sizeof header);
   frames_ = reinterpret_cast<const PackedFrame*>(samples_ + header.imu_count);
+  fixes_ = reinterpret_cast<const PackedFix*>(frames_ + header.frame_count);
   const Status status = check();
   if (status != Status::kOk) *this = Pack{};
   return status;
@@ -60,6 +62,9 @@ Status Pack::check() const {
       const uint64_t offset = frames_[i].image[c];
       if (offset != 0 && !image_fits(offset, header_->camera[c])) return Status::kBadData;
     }
+  }
+  for (uint32_t i = 0; i < header_->fix_count; ++i) {
+    if (fixes_[i].type >= kFixTypes) return Status::kBadData;
   }
   const bool whole = pack_checksum(bytes_, header_->bytes) == header_->checksum;
   return whole ? Status::kOk : Status::kBadData;
@@ -110,7 +115,7 @@ StereoFrame Pack::frame(size_t i) const {
 
 RecordingSource Pack::source() {
   PIRVS_ASSERT(header_ != nullptr);
-  imu_at_ = frame_at_ = 0;
+  imu_at_ = frame_at_ = fix_at_ = 0;
   return {this, next_imu, next_frame, [](void*, FrameId) {}};
 }
 
@@ -118,6 +123,14 @@ bool Pack::next_imu(void* context, ImuSample& out) {
   Pack& pack = *static_cast<Pack*>(context);
   if (pack.imu_at_ == pack.header_->imu_count) return false;
   out = pack.imu(pack.imu_at_++);
+  return true;
+}
+
+bool Pack::next_fix(PackedFix& out) {
+  if (fix_at_ == header_->fix_count || imu_at_ == 0) return false;
+  const int64_t comes = fixes_[fix_at_].t + header_->gnss_time_offset_ns + header_->gnss_latency_ns;
+  if (samples_[imu_at_ - 1].t < comes) return false;
+  out = fixes_[fix_at_++];
   return true;
 }
 

@@ -2,9 +2,9 @@
 // writes. The sensors of bsp/replay can be fed from it without a copy.
 // In      A block of memory, 64-byte aligned, that stays as it is while the recording plays.
 // Out     open(): calibration and counts; source(): for Replay::start. Layout PackHeader; imu_count
-//         PackedSample; frame_count PackedFrame; then the images as they are, 8-bit grey, rows
-//         without gaps, each at a multiple of 64. Little endian. The checksum covers everything but
-//         itself.
+//         PackedSample; frame_count PackedFrame; fix_count PackedFix; then the images as they are,
+//         8-bit grey, rows without gaps, each at a multiple of 64. Little endian. The checksum
+//         covers everything but itself. next_fix(): GNSS, each at its turn.
 // Frames  B = the IMU; R_BC row by row, p_BC in m; t in ns, each sensor's own stamps.
 // Errors  kNotFound: no magic, so no recording. kStale: another version. kBadData: shorter than it
 //         says, a count or an offset beyond the end, a wrong checksum, images of size zero.
@@ -22,7 +22,7 @@
 namespace pirvs::bsp {
 
 inline constexpr char kPackMagic[8] = {'P', 'I', 'R', 'V', 'S', 'P', 'C', 'K'};
-inline constexpr uint32_t kPackVersion = 1;
+inline constexpr uint32_t kPackVersion = 2;
 inline constexpr size_t kPackAlign = 64;
 
 struct PackedCamera {
@@ -46,6 +46,11 @@ struct PackHeader {
   int64_t camera_time_offset_ns;
   double gyro_noise, gyro_walk, accel_noise, accel_walk, rate_hz;
   PackedCamera camera[kCamerasMax];
+  uint32_t fix_count;
+  uint32_t reserved;
+  double antenna[3];  // of GNSS, in B
+  int64_t gnss_time_offset_ns;
+  int64_t gnss_latency_ns;  // from a fix's stamp, put right, to its arrival
 };
 
 struct PackedSample {
@@ -60,8 +65,19 @@ struct PackedFrame {
       image[kCamerasMax];  // offset from the start of the pack; 0: that camera has no image at t
 };
 
-static_assert(sizeof(PackedCamera) == 176 && sizeof(PackHeader) == 440, "no gaps, on any machine");
-static_assert(sizeof(PackedSample) == 56 && sizeof(PackedFrame) == 24);
+// A fix of GNSS, as modules/door/items.h has it.
+struct PackedFix {
+  int64_t t;
+  double latitude_deg, longitude_deg, height_m;
+  double v_ned[3];
+  double sigma_horizontal_m, sigma_vertical_m, sigma_velocity_m_s;
+  uint32_t type;
+  uint32_t has_velocity;
+};
+inline constexpr uint32_t kFixTypes = 5;
+
+static_assert(sizeof(PackedCamera) == 176 && sizeof(PackHeader) == 488, "no gaps, on any machine");
+static_assert(sizeof(PackedSample) == 56 && sizeof(PackedFrame) == 24 && sizeof(PackedFix) == 88);
 
 // Of a whole pack, its own field left out; size is a multiple of 8.
 uint64_t pack_checksum(const void* bytes, size_t size);
@@ -75,6 +91,9 @@ class Pack {
   Camera camera(int c) const;
   StereoFrame frame(size_t i) const;
   ImuSample imu(size_t i) const;
+  const PackedFix& fix(size_t i) const { return fixes_[i]; }
+  // The next fix, once the samples that source() gave have come to its time.
+  bool next_fix(PackedFix& out);
 
  private:
   static bool next_imu(void* context, ImuSample& out);
@@ -86,7 +105,8 @@ class Pack {
   const PackHeader* header_ = nullptr;
   const PackedSample* samples_ = nullptr;
   const PackedFrame* frames_ = nullptr;
-  size_t imu_at_ = 0, frame_at_ = 0;
+  const PackedFix* fixes_ = nullptr;
+  size_t imu_at_ = 0, frame_at_ = 0, fix_at_ = 0;
 };
 
 }  // namespace pirvs::bsp

@@ -131,23 +131,53 @@ bool project_kannala_brandt(const Camera& camera, const Vec3& p_C, Vec2& uv, Mat
   return true;
 }
 
-bool unproject_kannala_brandt(const Camera& camera, double xd, double yd, Vec3& bearing_C) {
-  const double radius = std::sqrt(xd * xd + yd * yd);
+// The angle at which the model has risen to `radius`, before its first fold; < 0: it never does.
+// From below in small steps, then by halving: for lenses whose fold lies where Newton would begin.
+double angle_below_fold(const double (&d)[4], double radius) {
+  constexpr double kStep = 0.01;
+  constexpr int kHalvings = 50;
+  double low = 0.0;
+  for (double theta = kStep; theta <= kPi; theta += kStep) {
+    const KannalaBrandt m = kannala_brandt(d, theta);
+    if (!(m.slope > 0.0)) return -1.0;
+    if (m.radius < radius) {
+      low = theta;
+      continue;
+    }
+    double high = theta;
+    for (int i = 0; i < kHalvings; ++i) {
+      const double middle = 0.5 * (low + high);
+      (kannala_brandt(d, middle).radius < radius ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+  }
+  return -1.0;
+}
+
+// Newton; < 0: it has not found the angle.
+double angle_by_newton(const double (&d)[4], double radius) {
   double theta = radius;
   for (int i = 0; i < kNewtonMax; ++i) {
-    const KannalaBrandt m = kannala_brandt(camera.d, theta);
-    if (!(m.slope > 0.0)) return false;
+    const KannalaBrandt m = kannala_brandt(d, theta);
+    if (!(m.slope > 0.0)) return -1.0;
     const double step = (radius - m.radius) / m.slope;
     theta += step;
     if (std::fabs(step) > kNewtonStep) continue;
-    if (theta > kPi || !kannala_brandt_monotonic(camera.d, theta, m.slope)) return false;
-    double s, c;
-    sincos(theta, s, c);
-    const double scale = radius > 0.0 ? s / radius : 1.0;
-    bearing_C << xd * scale, yd * scale, c;
-    return true;
+    return theta > kPi || !kannala_brandt_monotonic(d, theta, m.slope) ? -1.0 : theta;
   }
-  return false;
+  return -1.0;
+}
+
+bool unproject_kannala_brandt(const Camera& camera, double xd, double yd, Vec3& bearing_C) {
+  const double radius = std::sqrt(xd * xd + yd * yd);
+  double theta = angle_by_newton(camera.d, radius);
+  if (!(theta >= 0.0)) theta = angle_below_fold(camera.d, radius);
+  if (!(theta >= 0.0)) return false;
+  double s, c;
+  sincos(theta, s, c);
+  const double scale = radius > 0.0 ? s / radius : 1.0;
+  bearing_C << xd * scale, yd * scale, c;
+  return true;
 }
 
 }  // namespace

@@ -137,6 +137,41 @@ TEST(Camera, RadtanRejectsBeyondTheFold) {
   EXPECT_FALSE(camera.project(Vec3(3.0, 0.0, 1.0), uv));
 }
 
+// The image radius grows faster than the angle, until it turns back: Newton's first guess, the
+// radius, lies beyond the fold, and the ray is there all the same.
+TEST(Camera, KannalaBrandtFindsTheRayFromBeyondTheFold) {
+  const double models[][4] = {
+      {0.4, -0.12, 0.0, 0.0},  // slope 1 + 1.2 u - 0.6 u^2: folds at 1.62, radius 1.98
+      {0.8, -0.5, 0.05, 0.0},  // folds earlier
+      {0.1, 0.2, -0.15, 0.01}};
+  constexpr double kNear = 0.01;  // of the fold, where the radius hardly grows
+  for (const auto& d : models) {
+    Camera camera = fisheye();
+    std::copy(d, d + 4, camera.d);
+    int rays = 0, beyond = 0;
+    for (double theta = 0.01; theta < 2.5; theta += 0.01) {
+      const Vec3 p_C(std::sin(theta) * 0.6, std::sin(theta) * 0.8, std::cos(theta));
+      Vec2 uv;
+      Vec3 bearing_C;
+      if (!camera.project(p_C, uv)) break;
+      ++rays;
+      const double radius =
+          Vec2((uv.x() - camera.cx) / camera.fx, (uv.y() - camera.cy) / camera.fy).norm();
+      Vec2 there;
+      beyond += !camera.project(Vec3(std::sin(radius), 0.0, std::cos(radius)), there);
+      const bool at_the_fold =
+          !camera.project(Vec3(std::sin(theta + kNear) * 0.6, std::sin(theta + kNear) * 0.8,
+                               std::cos(theta + kNear)),
+                          there);
+      if (at_the_fold) break;
+      ASSERT_TRUE(camera.unproject(uv, bearing_C)) << d[0] << " " << theta;
+      EXPECT_LT((bearing_C - p_C).norm(), 1e-6) << d[0] << " " << theta;
+    }
+    EXPECT_GT(rays, 50);
+    EXPECT_GT(beyond, 0) << d[0];
+  }
+}
+
 TEST(Camera, KannalaBrandtRejectsBeyondTheFold) {
   Camera camera = fisheye();
   const double d[4] = {-0.3, 0.03, 0.0, 0.0};  // slope 1 - 0.9 u + 0.15 u^2: roots 1.46 and 4.54

@@ -5,6 +5,7 @@
 #include "bsp/api/clock.h"
 #include "bsp/api/events.h"
 #include "bsp/api/watchdog.h"
+#include "core/trace/trace.h"
 #include "modules/app/lens_scale.h"
 
 namespace pirvs {
@@ -34,9 +35,10 @@ void App::configure(const Calibration& calibration, const AppParams& params,
   DoorListener listener;
   listener.context = this;
   listener.fresh = [](void* context, const ImuSample& sample, bool broken) {
-    Output& output = static_cast<App*>(context)->output_;
-    if (broken) output.interrupt();
-    output.add_imu(sample);
+    App& app = *static_cast<App*>(context);
+    if (broken) app.output_.interrupt();
+    app.output_.add_imu(sample);
+    if (app.sinks_.imu != nullptr) app.sinks_.imu(app.sinks_.context, sample);
   };
   listener.release = Intake::release;
   door_.configure(calibration, scaled.door, listener);
@@ -61,7 +63,11 @@ void App::interrupt(TimeNs t, const char* why) {
 }
 
 void App::take_fix(const GnssFix& fix) {
-  const bool has_pose = fusion_.add_fix(fix);
+  bool has_pose = false;
+  {
+    PIRVS_TRACE("fusion");
+    has_pose = fusion_.add_fix(fix);
+  }
   if (sinks_.fix != nullptr) sinks_.fix(sinks_.context, fix, fusion_.last_gate());
   if (has_pose) tell_fused();
 }
@@ -76,7 +82,12 @@ void App::fuse_pose(const FusedState& fused) {
   Pose pose = pose_of(fused, door_t_, w_B_);
   pose.state.t = door_t_;
   if (!fused.running) pose.health = HealthState::kLost;
-  if (fusion_.add_pose(pose)) tell_fused();
+  bool has_pose = false;
+  {
+    PIRVS_TRACE("fusion");
+    has_pose = fusion_.add_pose(pose);
+  }
+  if (has_pose) tell_fused();
 }
 
 void App::check_clocks() {

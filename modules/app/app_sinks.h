@@ -4,6 +4,7 @@
 // Source  docs/architecture.md.
 #pragma once
 
+#include "bsp/api/imu.h"
 #include "core/base/limits.h"
 #include "core/base/status.h"
 #include "core/sched/late_watch.h"
@@ -33,6 +34,7 @@ struct AppSinks {
   // With GNSS, from its first good fix on: after each frame and fix. A late fix changes the pose
   // at the newest time.
   void (*fused)(void*, const FusedPose&) = nullptr;
+  void (*imu)(void*, const ImuSample&) = nullptr;          // each that is fresh, as it was measured
   void (*fix)(void*, const GnssFix&, FixGate) = nullptr;   // what became of it
   void (*keyframe)(void*, const BodyState&) = nullptr;     // leaving the map, refined as it is then
   void (*answer)(void*, const Answer&) = nullptr;          // to a command

@@ -16,7 +16,8 @@ constexpr double kAspect_max = 2.0;                     // fx / fy and its inver
 constexpr double kReprojection_px = 0.1;
 constexpr double kBaseline_m_min = 0.01, kBaseline_m_max = 2.0;
 constexpr TimeNs kOffset_max = 1'000'000'000;
-constexpr double kRate_hz_min = 20, kRate_hz_max = 20'000;
+
+bool offset_fits(TimeNs offset) { return offset <= kOffset_max && offset >= -kOffset_max; }
 
 bool within(double value, double min, double max) { return value >= min && value <= max; }
 
@@ -78,21 +79,8 @@ CalibrationFault find_camera_fault(const Camera& camera, const char* where) {
 }
 
 CalibrationFault find_imu_fault(const ImuNoise& imu) {
-  const char* const densities = "give densities in SI units per sqrt(Hz), not variances";
-  if (!within(imu.gyro_noise, 1e-6, 0.1)) {
-    return {"imu", "the gyro's noise density is not within 1e-6 to 0.1", densities};
-  }
-  if (!within(imu.gyro_walk, 1e-9, 0.1)) {
-    return {"imu", "the gyro's random walk is not within 1e-9 to 0.1", densities};
-  }
-  if (!within(imu.accel_noise, 1e-5, 1)) {
-    return {"imu", "the accelerometer's noise density is not within 1e-5 to 1", densities};
-  }
-  if (!within(imu.accel_walk, 1e-8, 1)) {
-    return {"imu", "the accelerometer's random walk is not within 1e-8 to 1", densities};
-  }
-  if (!within(imu.rate_hz, kRate_hz_min, kRate_hz_max)) {
-    return {"imu", "the rate is not within 20 to 20000 Hz", "give samples per second"};
+  for (const ImuBand& band : kImuBands) {
+    if (!within(imu.*band.field, band.min, band.max)) return {"imu", band.what, band.what_to_do};
   }
   return {};
 }
@@ -101,7 +89,7 @@ CalibrationFault find_gnss_fault(const GnssAntenna& gnss) {
   if (!gnss.p_BA.allFinite() || gnss.p_BA.norm() > kAntenna_m_max) {
     return {"gnss", "the antenna is more than 50 m from the IMU", "give it in metres"};
   }
-  if (gnss.time_offset_ns > kOffset_max || gnss.time_offset_ns < -kOffset_max) {
+  if (!offset_fits(gnss.time_offset_ns)) {
     return {"gnss", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
   }
   return {};
@@ -119,7 +107,7 @@ CalibrationFault find_wheel_fault(const WheelCalibration& wheels) {
       !within(wheels.wheelbase_m, 0, kVehicle_m_max) || !within(wheels.tick_m, 0, 1)) {
     return {"wheels", "track, wheelbase or the way of a tick cannot be", "give them in metres"};
   }
-  if (wheels.time_offset_ns > kOffset_max || wheels.time_offset_ns < -kOffset_max) {
+  if (!offset_fits(wheels.time_offset_ns)) {
     return {"wheels", "the time offset to the IMU is more than 1 s", "give it in nanoseconds"};
   }
   return {};
@@ -151,7 +139,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
   }
   if (const auto fault = find_imu_fault(calibration.imu)) return fault;
   const TimeNs offset = calibration.camera_time_offset_ns;
-  if (offset > kOffset_max || offset < -kOffset_max) {
+  if (!offset_fits(offset)) {
     return {"cameras", "the time offset to the IMU is more than 1 s",
             "give timeshift_cam_imu in seconds"};
   }

@@ -75,6 +75,13 @@ constexpr uint8_t bit(int kind) { return static_cast<uint8_t>(1u << kind); }
 }  // namespace
 
 bool NmeaReader::take(uint8_t byte, ReceiverFix& out) {
+  if (take_byte(byte, out)) return true;
+  if (!is_due_) return false;
+  is_due_ = false;
+  return flush(out);
+}
+
+bool NmeaReader::take_byte(uint8_t byte, ReceiverFix& out) {
   const char c = static_cast<char>(byte);
   if (c == '$') {
     counters_.bytes_outside += static_cast<uint32_t>(inside_ ? size_ : 0);
@@ -152,13 +159,15 @@ bool NmeaReader::read_sentence(ReceiverFix& out) {
   if (!next.any) {  // another epoch begins
     if (epoch_.any) closing_kind_ = last_kind_;
     any = flush(out);
+    out.overdue = any;
   }
   next.any = true;
   next.kinds = static_cast<uint8_t>(next.kinds | bit(kind));
   epoch_ = next;
   last_kind_ = static_cast<Kind>(kind);
-  if (any || epoch_.told || kind != closing_kind_) return any;
-  return flush(out);
+  const bool closed = !epoch_.told && kind == closing_kind_;
+  is_due_ = closed && any;  // one at a time: this one at the next byte, the end of its line
+  return any || (closed && flush(out));
 }
 
 bool NmeaReader::read_fields(Kind kind, const std::string_view* fields, size_t count, Epoch& out) {

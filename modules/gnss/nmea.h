@@ -58,6 +58,7 @@ class NmeaReader {
     double speed_m_s = 0, course_deg = 0;
   };
 
+  bool take_byte(uint8_t byte, ReceiverFix& out);
   bool read_sentence(ReceiverFix& out);
   bool read_fields(Kind kind, const std::string_view* fields, size_t count, Epoch& out);
   bool read_gga(const std::string_view* fields, Epoch& out);
@@ -69,6 +70,7 @@ class NmeaReader {
   char text_[kSentenceMax];
   size_t size_ = 0;
   bool inside_ = false;
+  bool is_due_ = false;  // the epoch at hand: where one sentence is all there is of each
   Epoch epoch_;
   Kind last_kind_ = kKinds;     // that came in this epoch
   Kind closing_kind_ = kKinds;  // that closed the epoch before

@@ -76,11 +76,14 @@ TEST(nmea, a_receiver_of_gga_alone) {
   NmeaReader reader;
   std::string text;
   for (int i = 0; i < 10; ++i) text += gga("17302" + std::to_string(i) + ".00");
-  EXPECT_EQ(read(reader, text).size(), 9u);
+  const auto fixes = read(reader, text);
+  ASSERT_EQ(fixes.size(), 10u) << "each with its own sentence, but the first";
+  EXPECT_TRUE(fixes[0].overdue);
+  EXPECT_FALSE(fixes[1].overdue);
+  EXPECT_FALSE(fixes[9].has_time) << "GGA has no date";
+  EXPECT_FALSE(fixes[9].fix.has_velocity);
   ReceiverFix rest;
-  EXPECT_TRUE(reader.flush(rest));
-  EXPECT_FALSE(rest.has_time) << "GGA has no date";
-  EXPECT_FALSE(rest.fix.has_velocity);
+  EXPECT_FALSE(reader.flush(rest));
 }
 
 TEST(nmea, midnight_comes_before_its_date) {
@@ -96,7 +99,7 @@ TEST(nmea, no_fix_is_told_as_none) {
   NmeaReader reader;
   const std::string text = gga("173021.75", ",,,,0,00,99.99,,M,,M,,") + gga("173022.00");
   const auto fixes = read(reader, text);
-  ASSERT_EQ(fixes.size(), 1u);
+  ASSERT_EQ(fixes.size(), 2u);
   EXPECT_EQ(fixes[0].fix.type, GnssFixType::kNone);
 }
 
@@ -104,7 +107,7 @@ TEST(nmea, without_the_geoid_there_is_no_height) {
   NmeaReader reader;
   const std::string rest = "4005.80,N,10508.83,W,1,08,0.9,1601.4,M,,M,,";
   const auto fixes = read(reader, gga("173021.75", rest) + gga("173022.00"));
-  ASSERT_EQ(fixes.size(), 1u);
+  ASSERT_EQ(fixes.size(), 2u);
   EXPECT_EQ(fixes[0].fix.type, GnssFixType::k2d);
 }
 
@@ -144,7 +147,7 @@ TEST(nmea, garbage_is_counted_and_costs_no_sentence) {
     garbage += 1;  // the line feed behind the carriage return
     fixes += read(reader, noise + good).size();
   }
-  EXPECT_EQ(fixes, 99u);
+  EXPECT_EQ(fixes, 100u);
   EXPECT_EQ(reader.counters().sentences, 100u);
   EXPECT_EQ(reader.counters().bytes_outside, garbage);
 }

@@ -11,6 +11,7 @@ struct ReceiverFix {
   GnssFix fix;  // t is left 0: the caller knows the device's clock
   bool has_time = false;
   TimeNs t_utc = 0;
+  bool overdue = false;  // told by the beginning of the next one: it came long before
 };
 
 // Days from 1970-01-01 to a date of the Gregorian calendar.

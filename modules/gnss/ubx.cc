@@ -115,12 +115,13 @@ bool UbxReader::read_pvt(const uint8_t* p, ReceiverFix& out) {
   now.fix.sigma_velocity_m_s = kMilli * u32(p + 68) / kSqrt2;
   now.fix.has_velocity = now.fix.type != GnssFixType::kNone;
   constexpr uint8_t kDateAndTime = 3;
-  const int month = p[6], day = p[7], hour = p[8], minute = p[9], second = p[10];
-  const bool possible = month >= 1 && month <= 12 && day >= 1 && day <= 31 && hour < 24 &&
-                        minute < 60 && second <= 60;
+  const int year = p[4] | p[5] << 8, month = p[6], day = p[7], hour = p[8], minute = p[9],
+            second = p[10];
+  const bool possible = year >= 1970 && year < 2200 && month >= 1 && month <= 12 && day >= 1 &&
+                        day <= 31 && hour < 24 && minute < 60 && second <= 60;
   now.has_time = (p[11] & kDateAndTime) == kDateAndTime && possible;
   if (now.has_time) {
-    const int64_t days = days_since_1970(p[4] | p[5] << 8, month, day);
+    const int64_t days = days_since_1970(year, month, day);
     now.t_utc = (days * 86400 + hour * 3600 + minute * 60 + second) * kSecond_ns + i32(p + 16);
   }
   last_tow_ms_ = u32(p);

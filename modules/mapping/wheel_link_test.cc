@@ -18,7 +18,7 @@ WheelPath path_of(Random& random, const Vec3& b_g) {
   T_BV.R = so3_exp(random.vec(0.3));
   T_BV.p = random.vec(0.5);
   WheelPath path;
-  path.reset(T_BV, 0.2, 0.01);
+  path.configure(T_BV, WheelParams{});
   Preintegration motion;
   motion.reset(b_g, Vec3::Zero());
   const Vec3 w = random.vec(0.5);

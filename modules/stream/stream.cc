@@ -27,6 +27,11 @@ class Writer {
     return *this;
   }
   template <class Vector>
+  Writer& put_doubles(const Vector& values) {
+    for (Eigen::Index i = 0; i < values.size(); ++i) put(static_cast<double>(values(i)));
+    return *this;
+  }
+  template <class Vector>
   Writer& put_floats(const Vector& values) {
     for (Eigen::Index i = 0; i < values.size(); ++i) put(static_cast<float>(values(i)));
     return *this;
@@ -55,6 +60,10 @@ class Reader {
     T value{};
     if (const uint8_t* const from = take(sizeof value)) std::memcpy(&value, from, sizeof value);
     return value;
+  }
+  template <class Vector>
+  void get_doubles(Vector& out) {
+    for (Eigen::Index i = 0; i < out.size(); ++i) out(i) = get<double>();
   }
   template <class Vector>
   void get_floats(Vector& out) {
@@ -109,7 +118,7 @@ Header plain(Kind kind, uint32_t sequence) {
 
 void put_pose(Writer& out, const Pose& pose) {
   out.put(pose.state.t).put(pose.t_published).put(pose.t_frame);
-  for (int i = 0; i < 3; ++i) out.put(pose.state.T_WB.p(i));
+  out.put_doubles(pose.state.T_WB.p);
   out.put_floats(quat_xyzw(pose.state.T_WB.R)).put_floats(pose.state.v_WB).put_floats(pose.w_B);
   out.put_symmetric(pose.cov.topLeftCorner<6, 6>());
   out.put_symmetric(pose.cov.bottomRightCorner<3, 3>());
@@ -128,7 +137,7 @@ bool get_pose(Reader& in, PoseMessage& out) {
   out.t = in.get<TimeNs>();
   out.t_published = in.get<TimeNs>();
   out.t_frame = in.get<TimeNs>();
-  for (int i = 0; i < 3; ++i) out.p_WB(i) = in.get<double>();
+  in.get_doubles(out.p_WB);
   in.get_floats(out.q_xyzw);
   in.get_floats(out.v_WB);
   in.get_floats(out.w_B);
@@ -198,6 +207,24 @@ size_t encode(const PpsMessage& message, uint32_t sequence, uint8_t* out) {
   return write(plain(Kind::kPps, sequence), out, [&](Writer& body) {
     body.put(message.t).put(message.rate_ppb).put(message.noise_ns);
     body.put(message.pulses).put(message.odd);
+  });
+}
+
+size_t encode(const FusedPose& pose, uint32_t sequence, uint8_t* out) {
+  return write(plain(Kind::kFused, sequence), out, [&](Writer& body) {
+    body.put(pose.t).put_doubles(pose.T_EB.p);
+    body.put(pose.place.latitude_rad).put(pose.place.longitude_rad).put(pose.place.height_m);
+    body.put_doubles(quat_xyzw(pose.T_EB.R)).put_floats(pose.v_EB);
+    body.put_symmetric(pose.cov.topLeftCorner<6, 6>());
+    body.put_symmetric(pose.cov.bottomRightCorner<3, 3>());
+    body.put(pose.confidence).put(pose.resets).put(static_cast<uint8_t>(pose.health));
+    body.put(pose.sources).put(static_cast<uint8_t>(pose.has_heading));
+  });
+}
+
+size_t encode(const ImuSample& sample, uint32_t sequence, uint8_t* out) {
+  return write(plain(Kind::kImu, sequence), out, [&](Writer& body) {
+    body.put(sample.t).put_doubles(sample.w_B).put_doubles(sample.f_B);
   });
 }
 
@@ -282,6 +309,45 @@ bool decode(const Header& header, const uint8_t* payload, PpsMessage& out) {
   out.odd = in.get<uint32_t>();
   return header.kind == Kind::kPps && in.ok() && in.left() == 0 && std::isfinite(out.rate_ppb) &&
          std::isfinite(out.noise_ns);
+}
+
+bool decode(const Header& header, const uint8_t* payload, FusedPose& out) {
+  Reader in(payload, header.size);
+  out.t = in.get<TimeNs>();
+  in.get_doubles(out.T_EB.p);
+  out.place.latitude_rad = in.get<double>();
+  out.place.longitude_rad = in.get<double>();
+  out.place.height_m = in.get<double>();
+  Vec4 q_xyzw;
+  in.get_doubles(q_xyzw);
+  in.get_floats(out.v_EB);
+  Mat6 cov;
+  Mat3 cov_v;
+  in.get_symmetric(cov);
+  in.get_symmetric(cov_v);
+  out.cov.setZero();
+  out.cov.topLeftCorner<6, 6>() = cov;
+  out.cov.bottomRightCorner<3, 3>() = cov_v;
+  out.confidence = in.get<float>();
+  out.resets = in.get<uint32_t>();
+  const auto health = in.get<uint8_t>();
+  out.health = static_cast<FusionHealth>(health);
+  out.sources = in.get<uint8_t>();
+  out.has_heading = in.get<uint8_t>() != 0;
+  const bool good = header.kind == Kind::kFused && in.ok() && in.left() == 0 &&
+                    health < static_cast<uint8_t>(FusionHealth::kCount) && out.T_EB.p.allFinite() &&
+                    q_xyzw.allFinite() && std::fabs(q_xyzw.norm() - 1) < 1e-3;
+  if (good) out.T_EB.R = rotation_from_quat_xyzw(q_xyzw.normalized());
+  return good;
+}
+
+bool decode(const Header& header, const uint8_t* payload, ImuSample& out) {
+  Reader in(payload, header.size);
+  out.t = in.get<TimeNs>();
+  in.get_doubles(out.w_B);
+  in.get_doubles(out.f_B);
+  return header.kind == Kind::kImu && in.ok() && in.left() == 0 && out.w_B.allFinite() &&
+         out.f_B.allFinite();
 }
 
 bool decode(const Header& header, const uint8_t* payload, ClockMessage& out) {

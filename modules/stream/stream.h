@@ -7,14 +7,17 @@
 // what follows. All numbers are little-endian.
 // In      Values to write, with room for kDatagramMax bytes; a datagram that came.
 // Out     encode: the datagram's size. decode: the value.
-// Frames  as Pose has them. Units: m, rad, s; times in ns on CLOCK_MONOTONIC of the device.
+// Frames  as Pose and FusedPose have them.
+// Units   m, rad, s; times in ns on CLOCK_MONOTONIC of the device.
 // Errors  decode: false: too short, another version, another kind, or a value that cannot be.
 // Cost    ~0.3 us a datagram.
 // Source  own.
 #pragma once
 
 #include "bsp/api/datagram.h"
+#include "bsp/api/imu.h"
 #include "core/base/text.h"
+#include "modules/fusion/fused_pose.h"
 #include "modules/output/pose.h"
 
 namespace pirvs::stream {
@@ -30,6 +33,8 @@ enum class Kind : uint8_t {
   kSyncIn,          // an edge of SYNC_IN, and the pose at its time
   kClock,           // answer to kAskClock
   kPps,             // the external clock, at each of its pulses
+  kFused,           // the pose on the Earth, at each frame and fix
+  kImu,             // a sample as it was measured
   kSubscribe = 32,  // to the device: send me these kinds for so long
   kAskClock,        // to the device: what time is it?
 };
@@ -119,6 +124,9 @@ size_t encode(const ThumbnailMessage& message, const Header& header, uint8_t* ou
 // `pose`: nullptr: there is none.
 size_t encode(TimeNs t, bool level, const Pose* pose, uint32_t sequence, uint8_t* out);
 size_t encode(const PpsMessage& message, uint32_t sequence, uint8_t* out);
+// Between position and velocity, and attitude and velocity, no covariance goes out.
+size_t encode(const FusedPose& pose, uint32_t sequence, uint8_t* out);
+size_t encode(const ImuSample& sample, uint32_t sequence, uint8_t* out);
 size_t encode(const ClockMessage& message, Kind kind, uint32_t sequence, uint8_t* out);
 size_t encode(const SubscribeMessage& message, uint8_t* out);
 // Text as it is; the caller keeps it below kMax - kHeaderBytes.
@@ -131,6 +139,8 @@ size_t encode_text(const TextWriter& text, const Header& header, uint8_t* out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, ThumbnailMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, SyncInMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, PpsMessage& out);
+[[nodiscard]] bool decode(const Header& header, const uint8_t* payload, FusedPose& out);
+[[nodiscard]] bool decode(const Header& header, const uint8_t* payload, ImuSample& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, ClockMessage& out);
 [[nodiscard]] bool decode(const Header& header, const uint8_t* payload, SubscribeMessage& out);
 

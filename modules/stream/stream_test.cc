@@ -148,5 +148,48 @@ TEST(stream, every_other_kind_comes_back) {
   EXPECT_EQ(subscribe.kinds, 2u);
 }
 
+TEST(stream, a_pose_on_the_earth_and_a_sample_come_back) {
+  FusedPose pose, out;
+  pose.t = 12'345'678'901'234;
+  pose.T_EB = {so3_exp(Vec3(0.3, -0.2, 1)), Vec3(100.25, -2.5, 1e-9)};
+  pose.v_EB = Vec3(0.5, 0.25, -1);
+  for (int i = 0; i < 9; ++i) pose.cov(i, i) = 1e-4 * (i + 1);
+  pose.cov(1, 4) = pose.cov(4, 1) = 3e-5;
+  pose.place = {0.827, 0.149, 488.5};
+  pose.health = FusionHealth::kSlamOnly;
+  pose.sources = kFromSlam;
+  pose.has_heading = true;
+  pose.confidence = 0.5f;
+  pose.resets = 3;
+  uint8_t bytes[kMax];
+  Header header;
+  const size_t size = encode(pose, 7, bytes);
+  ASSERT_TRUE(decode(bytes, size, header));
+  ASSERT_TRUE(decode(header, bytes + kHeaderBytes, out));
+  EXPECT_EQ(out.t, pose.t);
+  EXPECT_EQ(out.T_EB.p, pose.T_EB.p);
+  EXPECT_LT((out.T_EB.R - pose.T_EB.R).norm(), 1e-14);
+  EXPECT_EQ(out.v_EB, pose.v_EB);
+  EXPECT_LT((out.cov - pose.cov).norm(), 1e-9);
+  EXPECT_EQ(out.place.latitude_rad, pose.place.latitude_rad);
+  EXPECT_EQ(out.place.height_m, pose.place.height_m);
+  EXPECT_EQ(out.health, FusionHealth::kSlamOnly);
+  EXPECT_EQ(out.sources, kFromSlam);
+  EXPECT_TRUE(out.has_heading);
+  EXPECT_EQ(out.confidence, 0.5f);
+  EXPECT_EQ(out.resets, 3u);
+  bytes[size - 3] = 99;
+  EXPECT_FALSE(decode(header, bytes + kHeaderBytes, out)) << "no such health";
+
+  const ImuSample sample = {77, Vec3(1, 2, 3), Vec3(1.0 / 3, -9.8, 1e-9)};
+  ImuSample sample_out;
+  ASSERT_TRUE(decode(bytes, encode(sample, 8, bytes), header));
+  EXPECT_FALSE(decode(header, bytes + kHeaderBytes, out)) << "another kind";
+  ASSERT_TRUE(decode(header, bytes + kHeaderBytes, sample_out));
+  EXPECT_EQ(sample_out.t, 77);
+  EXPECT_EQ(sample_out.w_B, sample.w_B);
+  EXPECT_EQ(sample_out.f_B, sample.f_B);
+}
+
 }  // namespace
 }  // namespace pirvs::stream

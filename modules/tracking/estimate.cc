@@ -24,7 +24,8 @@ void Estimate::configure_wheels(const SE3& T_BV, const WheelParams& params,
 }
 
 void Estimate::advance(TimeNs t) {
-  for (size_t i = wheels_->first_after(filter_.state().t); i < wheels_->end(); ++i) {
+  const size_t end = wheels_ != nullptr ? wheels_->end() : 0;
+  for (size_t i = end > 0 ? wheels_->first_after(filter_.state().t) : 0; i < end; ++i) {
     const WheelHistory::Entry& entry = (*wheels_)[i];
     if (entry.sample_t > t) break;
     filter_.propagate_until(entry.sample_t, *history_);
@@ -33,9 +34,14 @@ void Estimate::advance(TimeNs t) {
   filter_.propagate_until(t, *history_);
 }
 
-void Estimate::begin(const BodyState& state, const Mat15& cov) {
+// At the newest sample's time.
+void Estimate::set_now(const BodyState& state, const Mat15& cov) {
   filter_.reset(state, cov);
   filter_.propagate(history_->newest());
+}
+
+void Estimate::begin(const BodyState& state, const Mat15& cov) {
+  set_now(state, cov);
   resting_ = false;
 }
 
@@ -49,8 +55,7 @@ void Estimate::carry_over(const SE3& T) {
   BodyState state = filter_.state();
   move(T, state);
   const Mat15 A = error_transform(T);
-  filter_.reset(state, A * filter_.cov() * A.transpose());
-  filter_.propagate(history_->newest());
+  set_now(state, A * filter_.cov() * A.transpose());
   resting_ = false;
   T_WB_last_frame_ = T * T_WB_last_frame_;
 }
@@ -64,8 +69,7 @@ void Estimate::relocate(const SE3& T_WB, double sigma_rad, double sigma_m) {
   cov.leftCols<6>().setZero();
   cov.diagonal().head<3>().setConstant(sigma_rad * sigma_rad);
   cov.diagonal().segment<3>(3).setConstant(sigma_m * sigma_m);
-  filter_.reset(state, cov);
-  filter_.propagate(history_->newest());
+  set_now(state, cov);
 }
 
 void Estimate::stand_still(const StandstillDetector& standstill) {
@@ -85,8 +89,7 @@ int Estimate::update_if_agreed(Correspondences& correspondences, int wanted) {
   const int accepted = filter_.update(correspondences);
   const int most = static_cast<int>(kShare * static_cast<double>(correspondences.size()));
   if (filter_.agreeing(correspondences) >= std::max(wanted, most)) return accepted;
-  filter_.reset(state, cov);
-  filter_.propagate(history_->newest());
+  set_now(state, cov);
   return 0;
 }
 

@@ -15,7 +15,7 @@
 #include "modules/wheels/wheel_history.h"
 
 namespace pirvs {
-
+// Many methods: the filter with its history of samples, wheels and maps.
 class Estimate {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
@@ -72,6 +72,8 @@ class Estimate {
   Mat15 cov() const;
 
  private:
+  void set_now(const BodyState& state, const Mat15& cov);
+
   Filter filter_;
   SelfCalibration self_calibration_;
   const ImuHistory* history_ = nullptr;

@@ -146,13 +146,20 @@ int Filter::locate(const SE3& T_WB, const PoseGuess& guess, Correspondences& cor
 }
 
 template <int N>
-void Filter::fuse(const Linear<N>& m) {
+Filter::Gain<N> Filter::gain(const Linear<N>& m) const {
   using MatN = Eigen::Matrix<double, N, N>;
-  const Eigen::Matrix<double, 15, N> PH = cov_ * m.H.transpose();
-  const MatN S = m.H * PH + m.sigma * m.sigma * MatN::Identity();
-  const Eigen::Matrix<double, 15, N> K = PH * S.inverse();
-  state_ = boxplus(state_, K * m.r);
-  cov_ -= K * PH.transpose();
+  Gain<N> out;
+  out.PH = cov_ * m.H.transpose();
+  const MatN S = m.H * out.PH + m.sigma * m.sigma * MatN::Identity();
+  out.S_inverse = S.inverse();
+  out.K = out.PH * out.S_inverse;
+  return out;
+}
+
+template <int N>
+void Filter::fuse(const Linear<N>& m, const Gain<N>& gain) {
+  state_ = boxplus(state_, gain.K * m.r);
+  cov_ -= gain.K * gain.PH.transpose();
   cov_ = (0.5 * (cov_ + cov_.transpose())).eval();
 }
 
@@ -172,13 +179,10 @@ WheelVerdict Filter::update_wheel(const WheelVelocity& wheel, const SE3& T_BV,
 template <int N>
 bool Filter::fuse_wheel(const Linear<N>& m, const Eigen::Matrix<double, N, 1>& per_scale,
                         const WheelParams& params, bool again) {
-  using MatN = Eigen::Matrix<double, N, N>;
-  const MatN S = m.H * cov_ * m.H.transpose() + m.sigma * m.sigma * MatN::Identity();
-  const MatN S_inverse = S.inverse();
-  if (m.r.dot(S_inverse * m.r) > params.chi2_max) return false;
-  const Eigen::Matrix<double, 15, N> K = cov_ * m.H.transpose() * S_inverse;
-  if (listener_ != nullptr) listener_->update(m, per_scale, S_inverse, K, again);
-  fuse(m);
+  const Gain<N> g = gain(m);
+  if (m.r.dot(g.S_inverse * m.r) > params.chi2_max) return false;
+  if (listener_ != nullptr) listener_->update(m, per_scale, g.S_inverse, g.K, again);
+  fuse(m, g);
   return true;
 }
 

@@ -74,7 +74,18 @@ class Filter {
   int gate(Correspondences& correspondences) const;
   PoseInformation linearize(const BodyState& at, const Correspondences& correspondences) const;
   template <int N>
-  void fuse(const Linear<N>& m);
+  struct Gain {
+    Eigen::Matrix<double, 15, N> PH, K;
+    Eigen::Matrix<double, N, N> S_inverse;
+  };
+  template <int N>
+  Gain<N> gain(const Linear<N>& m) const;
+  template <int N>
+  void fuse(const Linear<N>& m, const Gain<N>& gain);
+  template <int N>
+  void fuse(const Linear<N>& m) {
+    fuse(m, gain(m));
+  }
   template <int N>
   bool fuse_wheel(const Linear<N>& m, const Eigen::Matrix<double, N, 1>& per_scale,
                   const WheelParams& params, bool again);

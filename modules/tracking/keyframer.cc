@@ -14,11 +14,6 @@ void Keyframer::configure(const Camera* cameras, const ImuNoise& noise, const Tr
   stereo_.configure(cameras[0], cameras[1], stereo);
 }
 
-void Keyframer::configure_wheels(const SE3& T_BV, const WheelParams& params) {
-  T_BV_ = T_BV;
-  wheel_params_ = params;
-}
-
 void Keyframer::integrate(const ImuSample& before, const ImuSample& now) {
   const Mat3 dR_before = since_last_.dR;
   const double dt_s = to_seconds(now.t - before.t);
@@ -29,7 +24,7 @@ void Keyframer::integrate(const ImuSample& before, const ImuSample& now) {
 
 void Keyframer::begin_motion(const Vec3& b_g, const Vec3& b_a) {
   since_last_.reset(b_g, b_a);
-  way_.reset(T_BV_, wheel_params_.correlated_s, wheel_params_.scale_sigma);
+  way_.begin();
 }
 
 bool Keyframer::rest_due(TimeNs t) const {

@@ -22,7 +22,9 @@ class Keyframer {
   explicit Keyframer(const CounterArray<StereoLoss>& pairs = {}) : stereo_(pairs) {}
   void configure(const Camera* cameras, const ImuNoise& noise, const TrackerParams& params,
                  const StereoParams& stereo, KeyframeRing* ring);
-  void configure_wheels(const SE3& T_BV, const WheelParams& params);
+  void configure_wheels(const SE3& T_BV, const WheelParams& params) {
+    way_.configure(T_BV, params);
+  }
   // Motion since the last keyframe, from one sample to the next, and the wheels' speed after it.
   void integrate(const ImuSample& before, const ImuSample& now);
   void note_wheels(const WheelVelocity& velocity, bool slips) { way_.speed(velocity, slips); }
@@ -81,8 +83,6 @@ class Keyframer {
   };
   FixedVector<StereoPair, kTracksMax> pairs_;
   Preintegration since_last_;
-  SE3 T_BV_;
-  WheelParams wheel_params_;
   WheelPath way_;  // since the last keyframe
   BodyState last_;
   uint32_t sequence_ = 0, mapped_ = 0, dropped_ = 0;

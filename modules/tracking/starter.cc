@@ -65,7 +65,7 @@ void Starter::configure(const Camera* cameras, const ImuNoise& noise, const Filt
 
 void Starter::configure_wheels(const SE3& T_BV, const WheelParams& params,
                                const WheelHistory* wheels) {
-  no_way_.reset(T_BV, params.correlated_s, params.scale_sigma);
+  no_way_.configure(T_BV, params);
   wheels_ = wheels;
 }
 

@@ -38,8 +38,8 @@ class WheelHistory {
   size_t end_ = 0;
 };
 
-// The way between the IMU samples from t0 to t1 at a given bias; `path`, reset, says how wheels are
-// to be taken.
+// The way between the IMU samples from t0 to t1 at a given bias; `path`, configured, says how
+// wheels are to be taken.
 WheelPath integrate(const ImuHistory& imu, const WheelHistory& wheels, TimeNs t0, TimeNs t1,
                     const Vec3& b_g, const ImuNoise& noise, WheelPath path);
 

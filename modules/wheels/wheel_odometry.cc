@@ -12,6 +12,8 @@ constexpr double kSpeed_m_s_max = 60, kTurn_rad_s_max = 20;
 constexpr double kSteering_rad_max = 1.4;
 constexpr TimeNs kGap_ns = 500'000'000;  // a longer one is no interval to take a mean of
 
+double together(double a, double b) { return std::sqrt(a * a + b * b); }
+
 }  // namespace
 
 void WheelOdometry::configure(const WheelCalibration& calibration, const WheelParams& params) {
@@ -39,10 +41,10 @@ Status WheelOdometry::take(const WheelSample& sample, WheelVelocity& out) {
     return Status::kBadData;
   }
   const double speed = std::fabs(out.forward_m_s), turn = std::fabs(out.turn_rad_s);
-  out.sigma_m_s = std::hypot(out.sigma_m_s, params_.sigma_m_s + params_.sigma_share * speed);
+  out.sigma_m_s = together(out.sigma_m_s, params_.sigma_m_s + params_.sigma_share * speed);
   out.side_sigma_m_s = params_.side_m_s + params_.side_share * speed;
   out.turn_sigma_rad_s =
-      std::hypot(out.turn_sigma_rad_s, params_.turn_rad_s + params_.turn_share * turn);
+      together(out.turn_sigma_rad_s, params_.turn_rad_s + params_.turn_share * turn);
   return Status::kOk;
 }
 

@@ -5,17 +5,22 @@
 
 namespace pirvs {
 
-// The last speed goes on counting: that of the keyframe before.
-void WheelPath::reset(const SE3& T_BV, double correlated_s, double scale_sigma) {
-  const WheelVelocity last = last_;
-  const bool has_last = has_last_;
-  *this = WheelPath{};
-  last_ = last;
-  has_last_ = has_last;
+void WheelPath::configure(const SE3& T_BV, const WheelParams& params) {
   R_BV_ = T_BV.R;
   p_BV = T_BV.p;
-  correlated_s_ = correlated_s;
-  scale_sigma_ = scale_sigma;
+  correlated_s_ = params.correlated_s;
+  scale_sigma_ = params.scale_sigma;
+}
+
+void WheelPath::begin() {
+  const WheelPath before = *this;
+  *this = WheelPath{};
+  R_BV_ = before.R_BV_;
+  p_BV = before.p_BV;
+  correlated_s_ = before.correlated_s_;
+  scale_sigma_ = before.scale_sigma_;
+  last_ = before.last_;
+  has_last_ = before.has_last_;
 }
 
 void WheelPath::turn(const Mat3& dR_before, const Preintegration& motion, double step_s) {

@@ -20,8 +20,10 @@ class WheelPath {
  public:
   static constexpr double kGap_s_max = 0.25;  // between two speeds
 
-  // T_BV, correlated_s: of calibration and parameters.
-  void reset(const SE3& T_BV, double correlated_s, double scale_sigma);
+  // How wheels are to be taken.
+  void configure(const SE3& T_BV, const WheelParams& params);
+  // A new path, from here on; the last speed still counts.
+  void begin();
   // An IMU step: from the attitude dR_before to that of `motion`, all against B0.
   void turn(const Mat3& dR_before, const Preintegration& motion, double dt_s);
   // A speed at the end of the steps so far. slips: it is not to be used.

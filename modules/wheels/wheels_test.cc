@@ -95,7 +95,10 @@ struct Circle {
   WheelPath begin;
 
   Circle() {
-    begin.reset(calibration().T_BV, 0.2, 0.01);
+    WheelParams params;
+    params.correlated_s = 0.2f;
+    params.scale_sigma = 0.01f;
+    begin.configure(calibration().T_BV, params);
     for (int k = 0; k <= 400; ++k) {
       const TimeNs t = k * 5 * kMs;
       imu.add({t, Vec3(0, 0, kTurn_rad_s) + b_g, Vec3(0, 0, kGravity_m_s2)});

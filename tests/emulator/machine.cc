@@ -67,6 +67,7 @@ MachineRun run_machine(const std::string& board, const std::string& pack,
   run.console = read(out + "/console.txt");
   run.line = read(out + "/console.bin");
   run.trajectory = read(out + "/trajectory.tum");
+  run.fused = read(out + "/fused.tum");
   run.timing = read(out + "/timing.csv");
   return run;
 }

@@ -22,14 +22,17 @@
 #include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
 #include "modules/door/door.h"
-#include "modules/gnss/nmea.h"
-#include "modules/gnss/ubx.h"
+#include "modules/gnss/receiver_clock.h"
+#include "modules/gnss/receiver_reader.h"
 #include "modules/link/link.h"
+#include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/logs/ros_message.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/recording.h"
+#include "tools/dataset/sensor_tables.h"
 #include "tools/dataset/trajectory.h"
 #include "tools/run/fault.h"
 #include "tools/run/parameters.h"
@@ -67,8 +70,8 @@ void expect_result_or_refusal(Parse&& parse) {
 void imu_csv(const uint8_t* data, size_t size) {
   const MemoryFile file(data, size);
   expect_result_or_refusal([&] {
-    std::vector<tools::Count> rejected;
-    const auto samples = tools::read_imu_samples(file.path(), rejected);
+    tools::InputLog log;
+    const auto samples = tools::read_imu_samples(file.path(), log);
     PIRVS_ASSERT(!samples.empty());
     for (size_t i = 0; i < samples.size(); ++i) {
       PIRVS_ASSERT(samples[i].w_B.allFinite() && samples[i].f_B.allFinite());
@@ -80,8 +83,8 @@ void imu_csv(const uint8_t* data, size_t size) {
 void image_list(const uint8_t* data, size_t size) {
   const MemoryFile file(data, size);
   expect_result_or_refusal([&] {
-    std::vector<tools::Count> rejected;
-    const auto images = tools::read_image_list(file.path(), rejected);
+    tools::InputLog log;
+    const auto images = tools::read_image_list(file.path(), log);
     PIRVS_ASSERT(!images.empty());
     for (size_t i = 1; i < images.size(); ++i) PIRVS_ASSERT(images[i].t > images[i - 1].t);
   });
@@ -114,18 +117,46 @@ void sensor_yaml(const uint8_t* data, size_t size) {
   expect_result_or_refusal([&] {
     Calibration calibration;
     calibration.cameras = 1;
-    TimeNs offset = 0;
-    calibration.camera[0] = tools::read_asl_camera(file.path(), offset);
-    calibration.camera_time_offset_ns = offset;
+    const tools::RigCamera read = tools::read_asl_sensor(tools::Document(file.path()));
+    const tools::LensFit lens = tools::fit(read.lens);
+    if (!lens.exact && !(lens.error_px < 1)) return;
+    calibration.camera[0] = lens.camera;
+    calibration.camera[0].T_BC = read.T_BC;
     expect_usable(calibration);
   });
-  expect_result_or_refusal([&] { (void)tools::read_imu_noise(file.path()); });
+  expect_result_or_refusal([&] { (void)tools::find_noise(file.path()); });
 }
 
-void kalibr_yaml(const uint8_t* data, size_t size) {
+// Whichever family the keys say.
+void rig_file(const uint8_t* data, size_t size) {
   const MemoryFile file(data, size);
-  expect_result_or_refusal(
-      [&] { expect_usable(tools::read_kalibr_calibration(file.path(), ImuNoise{})); });
+  expect_result_or_refusal([&] {
+    tools::InputLog log;
+    expect_usable(tools::read_rig(file.path(), {}, log).calibration);
+  });
+}
+
+// A bag or an MCAP file, as its first bytes say, each message decoded as what its topic is.
+void log(const uint8_t* data, size_t size) {
+  const MemoryFile file(data, size);
+  expect_result_or_refusal([&] {
+    const auto log = tools::open_log(file.path());
+    if (!log) return;
+    std::vector<tools::LogPlace> places;
+    log->scan([&](const tools::LogMessage& message) {
+      const tools::LogTopic& topic = log->topics().at(message.topic);
+      ImuSample sample;
+      tools::TrajectoryPose pose;
+      cv::Mat grey;
+      (void)tools::decode_imu(message.bytes, topic.cdr, sample);
+      (void)tools::decode_image(message.bytes, topic.cdr, grey);
+      (void)tools::decode_pose(topic.type, message.bytes, topic.cdr, pose);
+      if (places.size() < 100) places.push_back(message.place);
+    });
+    for (const tools::LogPlace& place : places) {
+      PIRVS_ASSERT(log->load(place).size == place.size);
+    }
+  });
 }
 
 void trajectory(const uint8_t* data, size_t size) {
@@ -386,14 +417,53 @@ void nmea(const uint8_t* data, size_t size) {
   PIRVS_ASSERT(reader.counters().bytes_outside <= size);
 }
 
+// Guessing checksums would keep the fuzzer busy for ever.
+void make_checksums_right(std::vector<uint8_t>& bytes) {
+  constexpr size_t kHead = 6, kTail = 2;
+  for (size_t at = 0; at + kHead + kTail <= bytes.size(); ++at) {
+    if (bytes[at] != 0xb5 || bytes[at + 1] != 0x62) continue;
+    const size_t end = at + kHead + bytes[at + 4] + (size_t{bytes[at + 5]} << 8);
+    if (end + kTail > bytes.size()) continue;
+    uint8_t a = 0, b = 0;
+    for (size_t i = at + 2; i < end; ++i) {
+      a = uint8_t(a + bytes[i]);
+      b = uint8_t(b + a);
+    }
+    bytes[end] = a;
+    bytes[end + 1] = b;
+    at = end + kTail - 1;
+  }
+}
+
+// Both languages at once, and the clock: what a device hears of a receiver.
+void receiver(const uint8_t* data, size_t size) {
+  std::vector<uint8_t> bytes(data, data + size);
+  make_checksums_right(bytes);
+  const auto reader = std::make_unique<ReceiverReader>();
+  ReceiverClock clock;
+  clock.configure(ReceiverClock::kLatency_ns);
+  ReceiverFix fix;
+  TimeNs now = 1'000'000'000;
+  for (const uint8_t byte : bytes) {
+    now += 87'000;
+    if (byte == 0xff) clock.pulse({now / 1'000'000'000 * 1'000'000'000, 20e3, 700});
+    if (!reader->take(byte, fix)) continue;
+    expect_numbers(fix);
+    ReceiverStamp stamp = clock.stamp_without_time(now);
+    if (fix.has_time && !fix.overdue) (void)clock.stamp(fix.t_utc, now, stamp);
+    if (fix.has_time && fix.overdue) (void)clock.stamp(fix.t_utc, stamp);
+    PIRVS_ASSERT(std::isfinite(stamp.sigma_ns) && stamp.sigma_ns > 0);
+  }
+}
+
 void gnss_table(const uint8_t* data, size_t size) {
   const MemoryFile file(data, size);
   for (const auto format : {tools::GnssFormat::kTable, tools::GnssFormat::kRtklib}) {
     expect_result_or_refusal([&] {
-      std::vector<tools::Count> rejected;
-      const auto fixes = tools::read_gnss(file.path(), format, rejected);
+      tools::InputLog log;
+      const auto fixes = tools::read_gnss(file.path(), format, log);
       for (size_t i = 0; i < fixes.size(); ++i) {
-        expect_numbers({fixes[i], false, 0});
+        expect_numbers({fixes[i], false, 0, false});
         PIRVS_ASSERT(i == 0 || fixes[i].t > fixes[i - 1].t);
       }
     });
@@ -408,7 +478,8 @@ const Target kTargets[] = {
     {"image_list", image_list},
     {"order_csv", order_csv},
     {"sensor_yaml", sensor_yaml},
-    {"kalibr_yaml", kalibr_yaml},
+    {"rig_file", rig_file},
+    {"log", log},
     {"trajectory", trajectory},
     {"parameter", parameter},
     {"fault", fault},
@@ -419,6 +490,7 @@ const Target kTargets[] = {
     {"mavlink", mavlink},
     {"ubx", ubx},
     {"nmea", nmea},
+    {"receiver", receiver},
     {"gnss_table", gnss_table},
 };
 const size_t kTargetCount = std::size(kTargets);

@@ -125,7 +125,7 @@ struct Pose {
 
 // All unknowns where Ceres finds them.
 struct Unknowns {
-  Lens lens[2];
+  LensVector lens[2];
   Pose T_C1C0;
   std::vector<Pose> T_C0T;
   std::vector<Vec2> inset_m;

@@ -71,7 +71,7 @@ TEST(cameras, are_found_from_nothing_within_their_sigmas) {
     EXPECT_NEAR(found.adjustment.sigma_px, kNoise_px, 0.015);
     double squares = 0;
     for (int c = 0; c < 2; ++c) {
-      const Lens error = lens_of(found.rig.camera[c]) - lens_of(truth.camera[c]);
+      const LensVector error = lens_of(found.rig.camera[c]) - lens_of(truth.camera[c]);
       for (int i = 0; i < kLensSize; ++i) {
         const double sigma = std::sqrt(found.adjustment.covariance(8 * c + i, 8 * c + i));
         EXPECT_LT(std::abs(error[i]), 4 * sigma) << "cam" << c << " " << kLensNames[i];

@@ -5,12 +5,14 @@
 
 #include "tools/calib/lens.h"
 #include "tools/calib/result_files.h"
+#include "tools/dataset/calibration/rig_file.h"
+#include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
 namespace {
 
 void print_lens(const CameraResult& result, int c) {
-  const Lens lens = lens_of(result.rig.camera[c]);
+  const LensVector lens = lens_of(result.rig.camera[c]);
   for (int i = 0; i < kLensSize; ++i) {
     const int k = 8 * c + i;
     std::printf("cam%d %s %13.6f +- %.6f\n", c, kLensNames[i], lens[i],
@@ -21,6 +23,25 @@ void print_lens(const CameraResult& result, int c) {
 }
 
 }  // namespace
+
+void print_log(const std::string& path, const InputLog& log) {
+  for (const Count& count : log.rejected) {
+    std::fprintf(stderr, "pirvs: calib: %s: %zu %s\n", path.c_str(), count.value,
+                 count.name.c_str());
+  }
+  for (const std::string& note : log.notes) {
+    std::fprintf(stderr, "pirvs: calib: %s: %s\n", path.c_str(), note.c_str());
+  }
+}
+
+ImuNoise read_noise(const std::string& path) {
+  const std::optional<RigNoise> found = find_noise(path);
+  if (!found) {
+    throw InputError("no noise densities", path,
+                     "give Kalibr's imu.yaml, an ASL sensor.yaml, or what `calib noise` wrote");
+  }
+  return found->noise;
+}
 
 void declare_corners(CLI::App& app, CornerOptions& options) {
   app.add_option("--corners", options.files, "tables of corners, one a camera: cam0.csv,cam1.csv")
@@ -46,13 +67,9 @@ CornerInput read_corner_input(const CornerOptions& options) {
   out.cameras = int(options.files.size());
   std::vector<View> views[2];
   for (size_t c = 0; c < options.files.size(); ++c) {
-    std::vector<Count> rejected;
-    views[c] = read_views(options.files[c], out.target, out.how.size, rejected);
-    for (const Count& count : rejected) {
-      if (count.value == 0) continue;
-      std::fprintf(stderr, "pirvs: calib: %s: %zu %s\n", options.files[c].c_str(), count.value,
-                   count.name.c_str());
-    }
+    InputLog log;
+    views[c] = read_views(options.files[c], out.target, out.how.size, log);
+    print_log(options.files[c], log);
   }
   out.shots = pair_views(views[0], views[1]);
   return out;

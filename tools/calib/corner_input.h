@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "modules/imu/imu_noise.h"
 #include "tools/calib/cameras.h"
 #include "tools/cli/command.h"
 
@@ -29,6 +30,9 @@ struct CornerInput {
 
 void declare_corners(CLI::App& app, CornerOptions& options);
 CornerInput read_corner_input(const CornerOptions& options);
+// What was odd about an input, on stderr.
+void print_log(const std::string& path, const InputLog& log);
+ImuNoise read_noise(const std::string& path);
 void print_cameras(const CameraResult& result);
 
 }  // namespace pirvs::tools

@@ -17,7 +17,7 @@ inline constexpr int kFrameSize = 6 + kLensSize;
 
 struct FrameFactor {
   SE3 T_CT;
-  Lens lens;
+  LensVector lens;
   Eigen::Matrix<double, kFrameSize, kFrameSize> A;
   Eigen::Matrix<double, kFrameSize, 1> c;
 };

@@ -33,7 +33,7 @@ struct CameraToImu {
   double drift = 0;
   // theta (of R_BC Exp(theta)), p_BC, offset, drift.
   Eigen::Matrix<double, 8, 1> sigma;
-  Lens lens_sigma;
+  LensVector lens_sigma;
   double rms_px = 0;  // corners at the spline's poses
 };
 

@@ -8,8 +8,7 @@
 #include "tools/calib/corner_input.h"
 #include "tools/calib/imu_camera.h"
 #include "tools/calib/result_files.h"
-#include "tools/dataset/calibration_file.h"
-#include "tools/dataset/recording.h"
+#include "tools/dataset/sensor_tables.h"
 
 namespace pirvs::tools {
 namespace {
@@ -61,11 +60,12 @@ void print(const ImuCameraResult& r) {
 
 int run(const Options& o) {
   const CornerInput input = read_corner_input(o.corners);
-  std::vector<Count> rejected;
-  const std::vector<ImuSample> imu = read_imu_samples(o.imu, rejected);
+  InputLog log;
+  const std::vector<ImuSample> imu = read_imu_samples(o.imu, log);
+  print_log(o.imu, log);
   ImuCameraOptions how = o.how;
   how.imu_intrinsics = !o.plain_imu;
-  if (!o.noise.empty()) how.noise = read_imu_noise(o.noise);
+  if (!o.noise.empty()) how.noise = read_noise(o.noise);
   const CameraResult cameras =
       calibrate_cameras(input.target, input.shots, input.cameras, input.how);
   print_cameras(cameras);

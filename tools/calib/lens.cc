@@ -28,8 +28,8 @@ Basis kannala_brandt_basis(const Vec3& p_C) {
 
 }  // namespace
 
-Lens lens_of(const Camera& camera) {
-  Lens out;
+LensVector lens_of(const Camera& camera) {
+  LensVector out;
   out << camera.fx, camera.fy, camera.cx, camera.cy, camera.d[0], camera.d[1], camera.d[2],
       camera.d[3];
   return out;

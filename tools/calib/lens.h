@@ -11,13 +11,13 @@
 namespace pirvs::tools {
 
 inline constexpr int kLensSize = 8;
-using Lens = Eigen::Matrix<double, kLensSize, 1>;
+using LensVector = Eigen::Matrix<double, kLensSize, 1>;
 using Mat28 = Eigen::Matrix<double, 2, kLensSize>;
 
 inline constexpr const char* kLensNames[kLensSize] = {"fx", "fy", "cx", "cy",
                                                       "d0", "d1", "d2", "d3"};
 
-Lens lens_of(const Camera& camera);
+LensVector lens_of(const Camera& camera);
 void set_lens(const double* lens, Camera& camera);
 
 bool project(const Camera& camera, const Vec3& p_C, Vec2& uv, Mat23& J, Mat28& J_lens);

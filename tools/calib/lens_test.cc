@@ -19,7 +19,7 @@ TEST(lens, derivatives_by_intrinsics_match_numeric) {
       ASSERT_TRUE(project(camera, p_C, uv, J, J_lens));
       for (int i = 0; i < kLensSize; ++i) {
         const double step = i < 4 ? 1e-3 : 1e-6;
-        Lens lens = lens_of(camera);
+        LensVector lens = lens_of(camera);
         Camera moved = camera;
         Vec2 a, b;
         lens[i] -= step;

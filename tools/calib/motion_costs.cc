@@ -94,7 +94,7 @@ bool FrameCost::Evaluate(double const* const* x, double* residuals, double** jac
   const Vec3 p_CT = R_CB * (p_BT - vec3(x[kT]));
   const Vec3 theta = so3_log(factor_.T_CT.R.transpose() * R_CT);
   Eigen::Matrix<double, kFrameSize, 1> e;
-  e << theta, p_CT - factor_.T_CT.p, Eigen::Map<const Lens>(x[kLens]) - factor_.lens;
+  e << theta, p_CT - factor_.T_CT.p, Eigen::Map<const LensVector>(x[kLens]) - factor_.lens;
   Eigen::Map<Eigen::Matrix<double, kFrameSize, 1>>(residuals).noalias() = factor_.A * e + factor_.c;
   if (jacobians == nullptr) return true;
   const Part A_R = factor_.A.leftCols<3>() * right_jacobian_inverse(theta);

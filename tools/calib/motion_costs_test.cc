@@ -96,7 +96,7 @@ TEST(motion_costs, frame_derivatives_match_numeric) {
     x.push_back(as_vector(Rotation(R_BC).q, 4));
     x.push_back(as_vector(p_BC.data(), 3));
     x.push_back({0.003, 1e-4});
-    const Lens lens = lens_of(testing::lens(CameraModel::kPinholeRadtan));
+    const LensVector lens = lens_of(testing::lens(CameraModel::kPinholeRadtan));
     x.push_back(as_vector(lens.data(), kLensSize));
     FrameFactor factor;
     factor.T_CT = {so3_exp(random.vec(0.5)), random.vec(1)};

@@ -31,7 +31,7 @@ struct MotionUnknowns {
   Rotation R_BC[2];
   Vec3 p_BC[2];
   double time[2][2];  // offset_s, drift
-  Lens lens[2];
+  LensVector lens[2];
   Vec3 gravity_T;
   double gyro[9], accel[6];
   std::vector<Vec3> b_g, b_a;  // a knot every kBiasKnot_s from t0_s on

@@ -8,9 +8,10 @@
 
 #include "tools/calib/allan.h"
 #include "tools/calib/calib_command.h"
+#include "tools/calib/corner_input.h"
 #include "tools/calib/result_files.h"
 #include "tools/dataset/input_error.h"
-#include "tools/dataset/recording.h"
+#include "tools/dataset/sensor_tables.h"
 #include "tools/report/figure.h"
 #include "tools/report/page.h"
 
@@ -38,9 +39,10 @@ double median_rate_hz(const std::vector<ImuSample>& imu) {
 
 std::vector<ImuSample> read_rest(const Options& o) {
   const bool folder = std::filesystem::is_directory(o.in);
-  std::vector<Count> rejected;
-  std::vector<ImuSample> imu =
-      read_imu_samples(folder ? o.in + "/mav0/imu0/data.csv" : o.in, rejected);
+  InputLog log;
+  const std::string path = folder ? o.in + "/mav0/imu0/data.csv" : o.in;
+  std::vector<ImuSample> imu = read_imu_samples(path, log);
+  print_log(path, log);
   if (imu.size() < 2 || to_seconds(imu.back().t - imu.front().t) < kShort_s) {
     throw InputError("too short for an Allan variance", o.in,
                      "leave the IMU at rest for 3 hours, 10 minutes at the very least");

@@ -83,7 +83,7 @@ Json transform(const SE3& T) {
 }
 
 Json lens_json(const Camera& camera, const double* sigma) {
-  const Lens lens = lens_of(camera);
+  const LensVector lens = lens_of(camera);
   Json out;
   out["model"] = model_name(camera.model);
   for (int i = 0; i < kLensSize; ++i) {

@@ -37,7 +37,7 @@ TimeNs least_step(const std::vector<View>& views) {
 }  // namespace
 
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
-                             std::vector<Count>& rejected) {
+                             InputLog& log) {
   std::map<TimeNs, View> found;
   size_t unknown = 0, outside = 0, doubled = 0, rows = 0;
   TextTable table(path, "corners");
@@ -76,9 +76,9 @@ std::vector<View> read_views(const std::string& path, const Target& target, Imag
     doubled += drop_duplicates(view);
     if (!view.corners.empty()) out.push_back(std::move(view));
   }
-  rejected.push_back({"corners with an unknown id", unknown});
-  rejected.push_back({"corners outside the image", outside});
-  rejected.push_back({"corners of tags seen twice", doubled});
+  log.count("corners_with_an_unknown_id", unknown);
+  log.count("corners_outside_the_image", outside);
+  log.count("corners_of_tags_seen_twice", doubled);
   return out;
 }
 

@@ -12,7 +12,7 @@
 
 #include "core/base/time.h"
 #include "tools/calib/target.h"
-#include "tools/dataset/recording.h"
+#include "tools/dataset/input_log.h"
 
 namespace pirvs::tools {
 
@@ -32,7 +32,7 @@ struct ImageSize {
 };
 
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
-                             std::vector<Count>& rejected);
+                             InputLog& log);
 
 // What a stereo camera saw at one instant; a view without corners: that camera saw nothing.
 struct Shot {

@@ -32,13 +32,13 @@ MODULES = {
     "tracking": ["state", "imu", "wheels", "frontend", "map", "matching", "standstill", "health"],
     "mapping": ["state", "imu", "wheels", "map", "matching"],
     "output": ["state", "imu", "health"],
-    "stream": ["state", "health", "output"],
     "exposure": [],
     "door": ["calibration", "imu", "wheels", "frontend"],
     "recorder": ["calibration", "imu", "door"],
     "link": ["state", "imu", "wheels", "health", "output", "door"],
     "gnss": ["door"],
     "fusion": ["state", "calibration", "health", "output", "door"],
+    "stream": ["state", "imu", "health", "output", "fusion"],
 }
 # Edge modules: data of the machine enters or leaves here.
 EDGE = ("imu", "door", "recorder", "stream")

@@ -4,11 +4,13 @@
 #include <fstream>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "modules/calibration/calibration_text.h"
 #include "tools/cli/command.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/recording_options.h"
 
 namespace pirvs::tools {
 namespace {
@@ -17,15 +19,21 @@ namespace fs = std::filesystem;
 
 struct Options {
   std::string in, out, imu;
+  std::vector<int> cameras;
 };
 
 Calibration read(const Options& options) {
-  if (fs::is_directory(options.in)) {
-    const std::string mav0 = options.in + "/mav0";
-    return read_asl_calibration(fs::is_directory(mav0) ? mav0 : options.in);
-  }
-  const ImuNoise noise = options.imu.empty() ? ImuNoise{} : read_imu_noise(options.imu);
-  return read_calibration_file(options.in, noise);
+  RigOptions how;
+  how.imu = options.imu;
+  how.cameras = options.cameras;
+  how.as_mounted = true;
+  InputLog log;
+  const std::string mav0 = options.in + "/mav0";
+  Rig rig = fs::is_directory(options.in)
+                ? read_asl_rig(fs::is_directory(mav0) ? mav0 : options.in, how, log)
+                : read_rig(options.in, how, log);
+  print_notes(log);
+  return rig.calibration;
 }
 
 int convert(const Options& options) {
@@ -42,11 +50,18 @@ int convert(const Options& options) {
 
 std::function<int()> declare(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("IN", o->in, "an ASL/EuRoC folder, or Kalibr's camchain-imucam.yaml")->required();
+  app.add_option("IN", o->in,
+                 "an ASL/EuRoC folder, Kalibr's camchain-imucam.yaml or another calibration of "
+                 "docs/formats.md")
+      ->required();
   app.add_option("--out", o->out, "the device's calibration file")->required();
   app.add_option("--imu", o->imu,
                  "noise densities, Kalibr's imu.yaml or an ASL sensor.yaml, where none stands "
                  "beside the camchain");
+  app.add_option("--cameras", o->cameras, "LEFT,RIGHT, or one alone, as numbered in IN")
+      ->delimiter(',')
+      ->expected(1, 2)
+      ->allow_extra_args(false);
   return [o] { return convert(*o); };
 }
 

@@ -1,182 +1,272 @@
 #include "tools/dataset/calibration_file.h"
 
-#include <yaml-cpp/yaml.h>
-
-#include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <sstream>
-#include <vector>
 
-#include "core/math/so3.h"
 #include "modules/calibration/calibration_check.h"
 #include "modules/calibration/calibration_text.h"
+#include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
 namespace {
 
-// A YAML file that says where it was wrong.
-class Source {
- public:
-  explicit Source(const std::string& path) : path_(path) {
-    if (!std::filesystem::is_regular_file(path)) {
-      throw InputError("no calibration file", path, "add it, or give one with --calib");
-    }
-    try {
-      root_ = YAML::LoadFile(path);
-    } catch (const YAML::Exception& error) {
-      fail("not YAML", "line " + std::to_string(error.mark.line + 1));
-    }
-    if (!root_.IsMap()) fail("not a calibration", "the file");
-  }
+namespace fs = std::filesystem;
 
-  const YAML::Node& root() const { return root_; }
-
-  [[noreturn]] void fail(const std::string& what, const std::string& key) const {
-    throw InputError(what, path_ + ", " + key, "repair the calibration");
-  }
-
-  template <class T>
-  T get(const YAML::Node& node, const char* key) const {
-    if (!node.IsMap() || !node[key]) fail("missing value", key);
-    try {
-      return node[key].as<T>();
-    } catch (const YAML::Exception&) {
-      fail("value of the wrong kind", key);
-    }
-  }
-
-  std::vector<double> numbers(const YAML::Node& node, const char* key, size_t count) const {
-    const auto values = get<std::vector<double>>(node, key);
-    if (values.size() != count) fail("needs " + std::to_string(count) + " numbers", key);
-    for (const double v : values) {
-      if (!std::isfinite(v)) fail("a number is not finite", key);
-    }
-    return values;
-  }
-
- private:
-  std::string path_;
-  YAML::Node root_;
-};
-
-SE3 transform(const Source& source, const std::vector<double>& m, const char* key) {
-  SE3 T;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) T.R(i, j) = m[size_t(4 * i + j)];
-    T.p[i] = m[size_t(4 * i + 3)];
-  }
-  constexpr double kPrinted = 1e-3;  // what rounding to a few digits may cost
-  const bool rotation =
-      (T.R * T.R.transpose() - Mat3::Identity()).norm() < kPrinted && T.R.determinant() > 0;
-  if (!rotation) source.fail("the 3 x 3 part is not a rotation", key);
-  // What is one to the last bits stays, so that a recording of a recording gives the same run.
-  constexpr double kExact = 4e-15;
-  if ((T.R * T.R.transpose() - Mat3::Identity()).norm() > kExact) T.R = orthonormalized(T.R);
-  return T;
+std::string text_of(const char* format, double value) {
+  char text[48];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
 }
 
-SE3 asl_transform(const Source& source) {
-  const YAML::Node node = source.root()["T_BS"];
-  if (!node) source.fail("missing value", "T_BS");
-  return transform(source, source.numbers(node, "data", 16), "T_BS");
-}
-
-SE3 kalibr_transform(const Source& source, const YAML::Node& camera, const char* key) {
-  const auto rows = source.get<std::vector<std::vector<double>>>(camera, key);
-  std::vector<double> m;
-  for (const auto& row : rows) m.insert(m.end(), row.begin(), row.end());
-  if (m.size() != 16) source.fail("needs 4 rows of 4 numbers", key);
-  return transform(source, m, key);
-}
-
-// Everything but T_BC: the two formats differ in one key's name alone.
-Camera read_intrinsics(const Source& source, const YAML::Node& node, const char* coefficients) {
-  Camera camera{};
-  const auto size = source.get<std::vector<int>>(node, "resolution");
-  if (size.size() != 2 || size[0] < 16 || size[1] < 16) {
-    source.fail("needs width and height", "resolution");
+// ---- lenses ------------------------------------------------------------------------------------
+Camera camera_of(const RigCamera& read, const std::string& where, InputLog& log) {
+  constexpr double kError_px_max = 0.1, kCorner_px_max = 3;
+  const LensFit found = fit(read.lens);
+  Camera camera = found.camera;
+  camera.T_BC = read.T_BC;
+  if (found.exact) return camera;
+  const char* const model =
+      camera.model == CameraModel::kPinholeRadtan ? "pinhole-radtan" : "pinhole-equidistant";
+  if (!(found.error_px <= kError_px_max && found.corner_px <= kCorner_px_max)) {
+    throw InputError("the lens's model is not computed here, and the nearest that is, " +
+                         std::string(model) + ", is " + text_of("%.2f", found.error_px) +
+                         " px off, " + text_of("%.1f", found.corner_px) + " in the corners",
+                     where + ", " + read.name,
+                     "calibrate again with pinhole-equi (fisheye) or pinhole-radtan");
   }
-  camera.width = size[0];
-  camera.height = size[1];
-  const auto projection = source.get<std::string>(node, "camera_model");
-  if (projection != "pinhole") source.fail("unknown model '" + projection + "'", "camera_model");
-  const auto distortion = source.get<std::string>(node, "distortion_model");
-  if (distortion == "radial-tangential" || distortion == "radtan") {
-    camera.model = CameraModel::kPinholeRadtan;
-  } else if (distortion == "equidistant") {
-    camera.model = CameraModel::kKannalaBrandt;
-  } else {
-    source.fail("unknown model '" + distortion + "' (known: radtan, equidistant)",
-                "distortion_model");
-  }
-  const auto k = source.numbers(node, "intrinsics", 4);
-  if (k[0] <= 0 || k[1] <= 0) source.fail("the focal length is not positive", "intrinsics");
-  camera.fx = k[0];
-  camera.fy = k[1];
-  camera.cx = k[2];
-  camera.cy = k[3];
-  const auto d = source.numbers(node, coefficients, 4);
-  for (size_t i = 0; i < 4; ++i) camera.d[i] = d[i];
+  log.note(read.name + ": its lens is fitted by " + model + ", at most " +
+           text_of("%.3f", found.error_px) + " px off, " + text_of("%.2f", found.corner_px) +
+           " in the corners");
   return camera;
 }
 
-// Kalibr's key; our own recordings have it in the ASL sensor.yaml, too.
-TimeNs time_offset(const Source& source, const YAML::Node& camera) {
-  constexpr const char* kKey = "timeshift_cam_imu";
-  constexpr double kOffset_s_max = 1e6;
-  if (!camera[kKey]) return 0;
-  const auto shift_s = source.get<double>(camera, kKey);
-  if (!(std::abs(shift_s) < kOffset_s_max)) source.fail("needs a number of seconds", kKey);
-  return from_seconds(shift_s);
+// ---- noise -------------------------------------------------------------------------------------
+// Names that people give to Kalibr's imu.yaml.
+bool is_imu_name(const std::string& name) {
+  for (const char* known : {"imu.yaml", "imu0.yaml", "kalibr_imu_chain.yaml", "imu_config.yaml",
+                            "imu_chain.yaml", "imu_params.yaml", "ImuParams.yaml"}) {
+    if (name == known) return true;
+  }
+  return name.rfind("imu-", 0) == 0 && name.size() > 9 && name.substr(name.size() - 5) == ".yaml";
 }
 
-ImuNoise imu_noise(const Source& source) {
-  ImuNoise noise;
-  const YAML::Node& root = source.root();
-  const auto positive = [&](const char* key) {
-    const double value = source.get<double>(root, key);
-    if (!(value > 0)) source.fail("needs a number above 0", key);
-    return value;
-  };
-  noise.gyro_noise = positive("gyroscope_noise_density");
-  noise.gyro_walk = positive("gyroscope_random_walk");
-  noise.accel_noise = positive("accelerometer_noise_density");
-  noise.accel_walk = positive("accelerometer_random_walk");
-  noise.rate_hz = root["update_rate"] ? positive("update_rate") : positive("rate_hz");
-  return noise;
+std::optional<RigNoise> noise_beside(const std::string& path) {
+  std::vector<std::string> names;
+  std::error_code error;
+  const fs::path folder = fs::path(path).has_parent_path() ? fs::path(path).parent_path() : ".";
+  for (const auto& entry : fs::directory_iterator(folder, error)) {
+    const std::string name = entry.path().filename().string();
+    if (is_imu_name(name)) names.push_back(name);
+  }
+  std::sort(names.begin(), names.end());
+  if (names.size() > 1 && std::find(names.begin(), names.end(), "imu.yaml") != names.end()) {
+    names = {"imu.yaml"};
+  }
+  if (names.empty()) return std::nullopt;
+  if (names.size() > 1) {
+    throw InputError("noise densities in several files",
+                     names[0] + ", " + names[1] + " beside " + path, "name one with --imu");
+  }
+  return find_noise((folder / names[0]).string());
+}
+
+RigNoise noise_from(const std::string& path) {
+  if (const auto noise = find_noise(path)) return *noise;
+  throw InputError("no noise densities of an IMU", path,
+                   "missing value: gyroscope_noise_density and its like (docs/formats.md)");
+}
+
+void set_noise(const std::optional<RigNoise>& own, const std::string& path,
+               const RigOptions& options, Rig& rig, InputLog& log) {
+  std::optional<RigNoise> noise = own;
+  if (!options.imu.empty()) noise = noise_from(options.imu);
+  if (!noise) noise = noise_beside(path);
+  const bool fallback = !noise && !options.fallback_imu.empty() && fs::exists(options.fallback_imu);
+  if (fallback) noise = noise_from(options.fallback_imu);
+  rig.has_rate = noise && noise->has_rate;
+  if (noise) rig.calibration.imu = noise->noise;
+  const ImuNoise& used = rig.calibration.imu;
+  log.note(
+      (noise ? "IMU noise from " + noise->from : "no IMU noise is given, an ADIS16448's is taken") +
+      ": gyro " + text_of("%.2g", used.gyro_noise) + " rad/s/sqrt(Hz), walk " +
+      text_of("%.2g", used.gyro_walk) + ", accelerometer " + text_of("%.2g", used.accel_noise) +
+      " m/s^2/sqrt(Hz), walk " + text_of("%.2g", used.accel_walk) +
+      (noise ? "" : "; give yours with --imu"));
+}
+
+// ---- the pair ----------------------------------------------------------------------------------
+SE3 right_in_left(const Rig& rig) {
+  return rig.calibration.camera[0].T_BC.inverse() * rig.calibration.camera[1].T_BC;
+}
+
+// About how many quarter turns the right camera is rolled against the left one.
+int quarters_of(const Mat3& R) {
+  return (int(std::lround(std::atan2(R(1, 0), R(0, 0)) / M_PI_2)) + 4) % 4;
+}
+
+void arrange(Rig& rig, InputLog& log) {
+  Calibration& calibration = rig.calibration;
+  if (calibration.cameras < 2) return;
+  const int quarters = quarters_of(right_in_left(rig).R);
+  const std::string right = "cam" + std::to_string(rig.camera[1]);
+  if (quarters != 0) {
+    log.note(right + " is rolled by " + std::to_string(90 * quarters) + " degrees against cam" +
+             std::to_string(rig.camera[0]) + ": its images are turned");
+    calibration.camera[1] = turned(calibration.camera[1], quarters);
+    rig.turns[1] = quarters;
+  }
+  const Vec3 p_C0C1 = right_in_left(rig).p;
+  if (p_C0C1.x() > -0.5 * p_C0C1.norm()) return;
+  log.note(right + " stands left of cam" + std::to_string(rig.camera[0]) +
+           ": it is taken as the left one");
+  std::swap(calibration.camera[0], calibration.camera[1]);
+  std::swap(rig.camera[0], rig.camera[1]);
+  std::swap(rig.turns[0], rig.turns[1]);
+  std::swap(rig.shift_ns[0], rig.shift_ns[1]);
+}
+
+// Which of a file's cameras are asked for.
+void choose(const RigOptions& options, size_t there, const std::string& where, Rig& rig) {
+  const std::vector<int> wanted =
+      options.cameras.empty() ? std::vector<int>{0, 1} : options.cameras;
+  rig.calibration.cameras = int(std::min<size_t>(options.mono ? 1 : 2, wanted.size()));
+  if (options.cameras.empty()) {
+    rig.calibration.cameras = int(std::min(size_t(rig.calibration.cameras), there));
+  }
+  for (int c = 0; c < rig.calibration.cameras; ++c) {
+    rig.camera[c] = wanted[size_t(c)];
+    if (rig.camera[c] >= 0 && size_t(rig.camera[c]) < there) continue;
+    throw InputError("there is no such camera", where + ", cam" + std::to_string(rig.camera[c]),
+                     "choose other --cameras, there are " + std::to_string(there));
+  }
+}
+
+void finish(const RigOptions& options, Rig& rig, InputLog& log) {
+  if (!options.as_mounted) arrange(rig, log);
+  rig.calibration.camera_time_offset_ns = rig.shift_ns[0];
 }
 
 }  // namespace
 
-ImuNoise read_imu_noise(const std::string& path) { return imu_noise(Source(path)); }
+Camera turned(const Camera& camera, int quarters) {
+  Camera out = camera;
+  for (int i = 0; i < quarters; ++i) {  // (x, y) -> (height - 1 - y, x)
+    const Camera before = out;
+    std::swap(out.width, out.height);
+    std::swap(out.fx, out.fy);
+    out.cx = before.height - 1 - before.cy;
+    out.cy = before.cx;
+    if (out.model == CameraModel::kPinholeRadtan) {
+      out.d[2] = before.d[3];
+      out.d[3] = -before.d[2];
+    }
+    Mat3 R_before_out;
+    R_before_out << 0, 1, 0, -1, 0, 0, 0, 0, 1;
+    out.T_BC.R = before.T_BC.R * R_before_out;
+  }
+  return out;
+}
 
-Camera read_asl_camera(const std::string& path, TimeNs& offset) {
-  const Source source(path);
-  Camera camera = read_intrinsics(source, source.root(), "distortion_coefficients");
-  camera.T_BC = asl_transform(source);
-  offset = time_offset(source, source.root());
-  return camera;
+Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& log) {
+  Rig rig;
+  const Document imu(mav0 + "/imu0/sensor.yaml");
+  const auto own = noise_of(imu);
+  if (options.imu.empty()) {
+    if (!own) imu.fail("missing value", "gyroscope_noise_density");
+    if (!own->has_rate) imu.fail("missing value", "rate_hz");
+    rig.calibration.imu = own->noise;
+  } else {
+    set_noise(own, imu.path(), options, rig, log);
+  }
+  // The file's body and the IMU are nearly always one; where not, ours is the IMU.
+  const SE3 T_SB =
+      imu.has(imu.root(), "T_BS") ? imu.transform(imu.root(), "T_BS").inverse() : SE3{};
+  size_t there = 0;
+  while (fs::exists(mav0 + "/cam" + std::to_string(there))) ++there;
+  choose(options, there, mav0, rig);
+  for (int c = 0; c < rig.calibration.cameras; ++c) {
+    const std::string name = "cam" + std::to_string(rig.camera[c]);
+    const Document file(mav0 + "/" + name + "/sensor.yaml");
+    RigCamera read = read_asl_sensor(file);
+    read.name = name;
+    read.T_BC = T_SB * read.T_BC;
+    rig.shift_ns[c] = read.shift_ns;
+    rig.calibration.camera[c] = camera_of(read, file.path(), log);
+  }
+  finish(options, rig, log);
+  const std::string wheels = mav0 + "/wheel0/sensor.yaml";
+  if (fs::exists(wheels)) {
+    rig.calibration.wheels = read_wheel_sensor(wheels).calibration;
+    rig.calibration.wheels.T_BV = T_SB * rig.calibration.wheels.T_BV;
+  }
+  const std::string gnss = mav0 + "/gnss0/sensor.yaml";
+  if (!fs::exists(gnss)) return rig;
+  rig.calibration.gnss = read_gnss_sensor(gnss).antenna;
+  rig.calibration.gnss.p_BA = T_SB * rig.calibration.gnss.p_BA;
+  return rig;
+}
+
+namespace {
+
+Rig read_device_file(const std::string& path) {
+  std::stringstream text;
+  if (!(text << std::ifstream(path).rdbuf())) {
+    throw InputError("no calibration file", path, "add it, or give one with --calib");
+  }
+  const std::string all = text.str();  // a fault names a part of it
+  Rig rig;
+  if (const ConfigFault fault = read_calibration(all, rig.calibration)) {
+    Text<512> line;
+    put_fault(line, path.c_str(), fault);
+    throw InputError("not a calibration", line.c_str(), "repair the calibration");
+  }
+  for (TimeNs& shift : rig.shift_ns) shift = rig.calibration.camera_time_offset_ns;
+  return rig;
+}
+
+}  // namespace
+
+Rig read_rig(const std::string& path, const RigOptions& options, InputLog& log) {
+  if (fs::path(path).extension() == ".cfg") {
+    Rig rig = read_device_file(path);
+    if (options.mono) rig.calibration.cameras = 1;
+    if (!options.imu.empty()) set_noise(std::nullopt, path, options, rig, log);
+    return rig;
+  }
+  const RigFile file = read_rig_file(path);
+  Rig rig;
+  choose(options, file.cameras.size(), path, rig);
+  set_noise(file.imu, path, options, rig, log);
+  for (int c = 0; c < rig.calibration.cameras; ++c) {
+    const RigCamera& read = file.cameras[size_t(rig.camera[c])];
+    rig.shift_ns[c] = read.shift_ns;
+    rig.calibration.camera[c] = camera_of(read, path, log);
+  }
+  finish(options, rig, log);
+  return rig;
 }
 
 GnssSensor read_gnss_sensor(const std::string& path) {
   constexpr double kSeconds_max = 10;
-  const Source source(path);
+  const Document source(path);
   const YAML::Node& root = source.root();
   const auto seconds = [&](const char* key) {
-    if (!root[key]) return TimeNs{0};
-    const double value = source.get<double>(root, key);
+    const double value = source.has(root, key) ? source.get<double>(root, key) : 0;
     if (!(std::abs(value) < kSeconds_max)) source.fail("needs a few seconds at most", key);
     return from_seconds(value);
   };
   GnssSensor out;
-  if (root["T_BS"]) out.antenna.p_BA = asl_transform(source).p;
+  if (source.has(root, "T_BS")) out.antenna.p_BA = source.transform(root, "T_BS").p;
   out.antenna.time_offset_ns = seconds("time_offset");
   out.latency_ns = seconds("latency");
   if (out.latency_ns < 0) source.fail("needs a number not below 0", "latency");
-  if (!root["truth_world"]) return out;
+  if (!source.has(root, "truth_world")) return out;
   const auto truth = source.numbers(root, "truth_world", 4);
   out.has_truth = true;
   out.truth_latitude_deg = truth[0];
@@ -189,7 +279,7 @@ GnssSensor read_gnss_sensor(const std::string& path) {
 WheelSensor read_wheel_sensor(const std::string& path) {
   constexpr const char* kKinds[kWheelKinds] = {"left_right", "twist", "ticks", "steering"};
   constexpr double kSeconds_max = 10;
-  const Source source(path);
+  const Document source(path);
   const YAML::Node& root = source.root();
   const auto kind = source.get<std::string>(root, "kind");
   const auto found = std::find(std::begin(kKinds), std::end(kKinds), kind);
@@ -198,7 +288,7 @@ WheelSensor read_wheel_sensor(const std::string& path) {
                 "kind");
   }
   const auto length = [&](const char* key, bool needed) {
-    if (!root[key] && !needed) return 0.0;
+    if (!source.has(root, key) && !needed) return 0.0;
     const double value = source.get<double>(root, key);
     if (!(value > 0)) source.fail("needs a number above 0", key);
     return value;
@@ -207,13 +297,13 @@ WheelSensor read_wheel_sensor(const std::string& path) {
   out.kind = WheelKind(found - std::begin(kKinds));
   WheelCalibration& wheels = out.calibration;
   wheels.known = true;
-  wheels.T_BV = asl_transform(source);
+  wheels.T_BV = source.transform(root, "T_BS");
   wheels.track_m = length("track", false);
   wheels.wheelbase_m = length("wheelbase", out.kind == WheelKind::kSteering);
   if (out.kind == WheelKind::kTicks) {
     wheels.tick_m = 2 * M_PI * length("radius", true) / length("ticks_per_turn", true);
   }
-  if (root["time_offset"]) {
+  if (source.has(root, "time_offset")) {
     const double offset_s = source.get<double>(root, "time_offset");
     if (!(std::abs(offset_s) < kSeconds_max)) {
       source.fail("needs a few seconds at most", "time_offset");
@@ -223,76 +313,33 @@ WheelSensor read_wheel_sensor(const std::string& path) {
   return out;
 }
 
-Calibration read_asl_calibration(const std::string& mav0) {
-  Calibration out;
-  const Source imu(mav0 + "/imu0/sensor.yaml");
-  out.imu = imu_noise(imu);
-  // The file's body and the IMU are nearly always one; where not, ours is the IMU.
-  const SE3 T_SB = imu.root()["T_BS"] ? asl_transform(imu).inverse() : SE3{};
-  out.cameras = std::filesystem::exists(mav0 + "/cam1") ? 2 : 1;
-  for (int c = 0; c < out.cameras; ++c) {
-    TimeNs offset = 0;
-    out.camera[c] = read_asl_camera(mav0 + "/cam" + std::to_string(c) + "/sensor.yaml", offset);
-    out.camera[c].T_BC = T_SB * out.camera[c].T_BC;
-    if (c == 0) out.camera_time_offset_ns = offset;
+namespace {
+
+// The number that is out of its band, and which one may have been meant.
+void check_noise(const ImuNoise& imu, const std::string& where) {
+  for (const ImuBand& band : kImuBands) {
+    const double value = imu.*band.field;
+    if (value >= band.min && value <= band.max) continue;
+    const auto fits = [&](double v) { return v >= band.min && v <= band.max; };
+    std::string to_do = band.what_to_do;
+    if (value < band.min && fits(std::sqrt(value))) {
+      to_do = "it looks like a variance: give its root, " + text_of("%.2g", std::sqrt(value));
+    } else if (value > band.max) {
+      to_do += ", as the data sheet has them; to trust the IMU less, go up to " +
+               text_of("%g", band.max) + "; --imu takes them from another file";
+    }
+    throw InputError(std::string(band.what) + ", it is " + text_of("%.3g", value) + " " + band.unit,
+                     where + ", imu", to_do);
   }
-  const std::string wheels = mav0 + "/wheel0/sensor.yaml";
-  if (std::filesystem::exists(wheels)) {
-    out.wheels = read_wheel_sensor(wheels).calibration;
-    out.wheels.T_BV = T_SB * out.wheels.T_BV;
-  }
-  const std::string gnss = mav0 + "/gnss0/sensor.yaml";
-  if (!std::filesystem::exists(gnss)) return out;
-  out.gnss = read_gnss_sensor(gnss).antenna;
-  out.gnss.p_BA = T_SB * out.gnss.p_BA;
-  return out;
 }
+
+}  // namespace
 
 void check_sense(const Calibration& calibration, const std::string& where) {
-  if (const CalibrationFault fault = find_fault(calibration)) {
-    throw InputError(fault.what, where + ", " + fault.where, fault.what_to_do);
-  }
-}
-
-Calibration read_calibration_file(const std::string& path, const ImuNoise& noise) {
-  if (std::filesystem::path(path).extension() != ".cfg") {
-    return read_kalibr_calibration(path, noise);
-  }
-  std::stringstream text;
-  if (!(text << std::ifstream(path).rdbuf())) {
-    throw InputError("no calibration file", path, "add it, or give one with --calib");
-  }
-  const std::string all = text.str();  // a fault names a part of it
-  Calibration out;
-  if (const ConfigFault fault = read_calibration(all, out)) {
-    Text<512> line;
-    put_fault(line, path.c_str(), fault);
-    throw InputError("not a calibration", line.c_str(), "repair the calibration");
-  }
-  return out;
-}
-
-Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise) {
-  const Source source(path);
-  Calibration out;
-  const auto beside = std::filesystem::path(path).parent_path() / "imu.yaml";
-  out.imu = std::filesystem::exists(beside) ? read_imu_noise(beside.string()) : noise;
-  out.cameras = source.root()["cam1"] ? 2 : 1;
-  SE3 T_CB_before;
-  for (int c = 0; c < out.cameras; ++c) {
-    const std::string name = "cam" + std::to_string(c);
-    const YAML::Node camera = source.root()[name];
-    if (!camera || !camera.IsMap()) source.fail("missing value", name);
-    out.camera[c] = read_intrinsics(source, camera, "distortion_coeffs");
-    const bool own = bool(camera["T_cam_imu"]);
-    if (!own && c == 0) source.fail("missing value (camchain-imucam.yaml has it)", "T_cam_imu");
-    const SE3 T_CB = own ? kalibr_transform(source, camera, "T_cam_imu")
-                         : kalibr_transform(source, camera, "T_cn_cnm1") * T_CB_before;
-    out.camera[c].T_BC = T_CB.inverse();
-    T_CB_before = T_CB;
-  }
-  out.camera_time_offset_ns = time_offset(source, source.root()["cam0"]);
-  return out;
+  const CalibrationFault fault = find_fault(calibration);
+  if (!fault) return;
+  if (std::string(fault.where) == "imu") check_noise(calibration.imu, where);
+  throw InputError(fault.what, where + ", " + fault.where, fault.what_to_do);
 }
 
 }  // namespace pirvs::tools

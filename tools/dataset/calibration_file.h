@@ -1,37 +1,52 @@
-// What    Reads a calibration: the sensor.yaml files of an ASL folder, Kalibr's camchain, or a
-//         device's own file (modules/calibration/calibration_text.h).
-// In      ASL: pinhole + radial-tangential | equidistant, T_BS 4 x 4, perhaps
-//         timeshift_cam_imu.
-//         Kalibr camchain-imucam.yaml: pinhole + radtan | equidistant, T_cam_imu or T_cn_cnm1,
-//         timeshift_cam_imu; and imu.yaml beside it, if there is one.
-// Out     A Calibration; cameras = 1 if there is only cam0.
+// What    The calibration of a recording: whoever's file it is, as the stack takes it.
+// In      The sensor.yaml files of an ASL folder, a device's own file (calibration_text.h), or one
+//         of the families of rig_file.h. Which cameras of it, and noise densities of elsewhere.
+// Out     A Rig: the calibration of the images as they are played, and how that is. A lens that the
+//         stack does not compute itself is fitted; what was done is noted in the log. Unless
+//         as_mounted: a right camera that is rolled by about quarter turns against the left one
+//         gets its images turned back, and cameras named in the wrong order change places.
 // Frames  B = the IMU: T_BC takes camera to IMU coordinates.
 // Units   pixels with (0,0) at the centre of the first pixel; metres; ns.
-// Errors  InputError naming file and key: missing, wrong size, not a rotation, unknown model.
-// Source  ASL data set format (Burri et al., IJRR 2016); Kalibr wiki, "YAML formats".
+// Errors  InputError naming file and key: missing, wrong size, not a rotation, unknown model, a fit
+//         worse than 0.1 px, a calibration that makes no sense.
+// Source  ASL data set format (Burri et al., IJRR 2016); docs/formats.md.
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "modules/calibration/calibration.h"
 #include "modules/wheels/wheel_sample.h"
+#include "tools/dataset/input_log.h"
 
 namespace pirvs::tools {
 
+struct RigOptions {
+  std::string imu;           // a file with noise densities; empty: the calibration's own
+  std::string fallback_imu;  // used if there are none, if it exists
+  std::vector<int> cameras;  // left and right, as numbered in the file; empty: 0 and 1
+  bool mono = false;
+  bool as_mounted = false;  // of a device, which turns no images
+};
+
+struct Rig {
+  Calibration calibration;
+  int camera[2] = {0, 1};       // as numbered in the file or folder
+  int turns[2] = {0, 0};        // quarter turns, clockwise, of the images before they are played
+  TimeNs shift_ns[2] = {0, 0};  // t_imu = stamp + shift, of each
+  bool has_rate = true;         // else calibration.imu.rate_hz is a guess
+};
+
+// By what the file is.
+Rig read_rig(const std::string& path, const RigOptions& options, InputLog& log);
 // mav0 holds cam0/sensor.yaml, imu0/sensor.yaml, perhaps cam1/sensor.yaml.
-Calibration read_asl_calibration(const std::string& mav0);
-
-// noise: used for the IMU if no imu.yaml stands beside the camchain.
-Calibration read_kalibr_calibration(const std::string& path, const ImuNoise& noise);
-
-// By the name of the file: a device's *.cfg, or Kalibr's camchain and the noise as above.
-Calibration read_calibration_file(const std::string& path, const ImuNoise& noise);
+Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& log);
 
 // InputError if find_fault() finds one; `where`: the file or folder that it was read from.
 void check_sense(const Calibration& calibration, const std::string& where);
 
-// One camera's sensor.yaml; T_BC and the offset to the clock of the IMU as the file has them.
-Camera read_asl_camera(const std::string& path, TimeNs& camera_time_offset_ns);
+// The camera of an image that was turned clockwise by quarters.
+Camera turned(const Camera& camera, int quarters);
 
 // gnss0/sensor.yaml: T_BS, and what a simulator knows besides.
 struct GnssSensor {
@@ -52,8 +67,5 @@ struct WheelSensor {
   WheelKind kind = WheelKind::kLeftRight;
 };
 WheelSensor read_wheel_sensor(const std::string& path);
-
-// Noise densities of an ASL sensor.yaml or a Kalibr imu.yaml (they share their keys).
-ImuNoise read_imu_noise(const std::string& path);
 
 }  // namespace pirvs::tools

@@ -21,19 +21,9 @@ constexpr const char* kTypes[] = {"none", "2d", "3d", "float", "fixed"};
 constexpr const char* kWhat = "GNSS fixes";
 constexpr const char* kRepair = "remove or repair the line";
 
-void count(std::vector<Count>& counts, const char* name) {
-  const auto found =
-      std::find_if(counts.begin(), counts.end(), [name](const Count& c) { return c.name == name; });
-  if (found != counts.end()) {
-    ++found->value;
-  } else {
-    counts.push_back({name, 1});
-  }
-}
-
 // In order of time; what is not later than the one before is rejected.
-void keep(const GnssFix& fix, std::vector<GnssFix>& fixes, std::vector<Count>& rejected) {
-  if (!fixes.empty() && fix.t <= fixes.back().t) return count(rejected, "gnss_stamps_not_rising");
+void keep(const GnssFix& fix, std::vector<GnssFix>& fixes, InputLog& log) {
+  if (!fixes.empty() && fix.t <= fixes.back().t) return log.count("gnss_stamps_not_rising");
   fixes.push_back(fix);
 }
 
@@ -46,7 +36,7 @@ bool read_type(std::string_view text, GnssFixType& out) {
   return false;
 }
 
-std::vector<GnssFix> read_csv(const std::string& path, std::vector<Count>& rejected) {
+std::vector<GnssFix> read_csv(const std::string& path, InputLog& log) {
   TextTable table(path, kWhat);
   std::vector<GnssFix> fixes;
   enum Column : size_t { kPlace = 1, kVelocity = 4, kSigma = 7, kType = 10, kColumns };
@@ -55,7 +45,7 @@ std::vector<GnssFix> read_csv(const std::string& path, std::vector<Count>& rejec
     GnssFix fix;
     bool complete = t && table.columns() >= kColumns && read_type(table.text(kType), fix.type);
     if (!complete && table.cut_off()) {
-      count(rejected, "gnss_rows_truncated");
+      log.count("gnss_rows_truncated");
       continue;
     }
     const auto value = [&](size_t column) {
@@ -81,7 +71,7 @@ std::vector<GnssFix> read_csv(const std::string& path, std::vector<Count>& rejec
           "or fixed",
           kRepair);
     }
-    keep(fix, fixes, rejected);
+    keep(fix, fixes, log);
   }
   return fixes;
 }
@@ -97,27 +87,27 @@ std::string bytes_of(const std::string& path) {
 
 template <class Reader, class Counters, size_t N>
 std::vector<GnssFix> read_bytes(const std::string& path, const CounterRow<Counters> (&rows)[N],
-                                std::vector<Count>& rejected) {
+                                InputLog& log) {
   Reader reader;
   ReceiverFix read;
   std::vector<GnssFix> fixes;
   const auto take = [&] {
-    if (!read.has_time) return count(rejected, "gnss_without_time");
+    if (!read.has_time) return log.count("gnss_without_time");
     read.fix.t = read.t_utc;
-    keep(read.fix, fixes, rejected);
+    keep(read.fix, fixes, log);
   };
   for (const char c : bytes_of(path)) {
     if (reader.take(uint8_t(c), read)) take();
   }
   while (reader.flush(read)) take();
   for_each_counter(reader.counters(), rows, [&](const char* name, uint32_t n) {
-    rejected.push_back({name, n});
+    log.rejected.push_back({name, n});
   });
   return fixes;
 }
 
 // A solution of RTKLIB: degrees, the time of GPS or UTC as the heading says.
-std::vector<GnssFix> read_pos(const std::string& path, std::vector<Count>& rejected) {
+std::vector<GnssFix> read_pos(const std::string& path, InputLog& log) {
   constexpr TimeNs kSecond_ns = 1'000'000'000;
   constexpr int kLeap_s = 18;  // GPS is ahead of UTC by that since 2017
   constexpr GnssFixType kTypes[] = {GnssFixType::kNone, GnssFixType::kFixed, GnssFixType::kFloat,
@@ -152,7 +142,7 @@ std::vector<GnssFix> read_pos(const std::string& path, std::vector<Count>& rejec
                       quality <= 6 && std::isfinite(fix.latitude_deg + fix.longitude_deg) &&
                       std::isfinite(fix.height_m + sd[0] + sd[1] + sd[2]);
     if (!good && lines.eof()) {
-      count(rejected, "gnss_rows_truncated");
+      log.count("gnss_rows_truncated");
       continue;
     }
     if (!good) {
@@ -168,7 +158,7 @@ std::vector<GnssFix> read_pos(const std::string& path, std::vector<Count>& rejec
     fix.has_velocity = read >= kVelocity && std::isfinite(v[0] + v[1] + v[2] + sv[0] + sv[1]);
     if (fix.has_velocity) fix.v_ned = Vec3(v[0], v[1], -v[2]);
     if (fix.has_velocity) fix.sigma_velocity_m_s = std::sqrt((sv[0] * sv[0] + sv[1] * sv[1]) / 2);
-    keep(fix, fixes, rejected);
+    keep(fix, fixes, log);
   }
   return fixes;
 }
@@ -183,21 +173,20 @@ GnssFormat gnss_format(const std::string& path) {
                              : GnssFormat::kTable;
 }
 
-std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format,
-                               std::vector<Count>& rejected) {
+std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format, InputLog& log) {
   std::vector<GnssFix> fixes;
   switch (format) {
     case GnssFormat::kTable:
-      fixes = read_csv(path, rejected);
+      fixes = read_csv(path, log);
       break;
     case GnssFormat::kRtklib:
-      fixes = read_pos(path, rejected);
+      fixes = read_pos(path, log);
       break;
     case GnssFormat::kUbx:
-      fixes = read_bytes<UbxReader>(path, kUbxCounters, rejected);
+      fixes = read_bytes<UbxReader>(path, kUbxCounters, log);
       break;
     case GnssFormat::kNmea:
-      fixes = read_bytes<NmeaReader>(path, kNmeaCounters, rejected);
+      fixes = read_bytes<NmeaReader>(path, kNmeaCounters, log);
   }
   if (fixes.empty()) throw InputError("no GNSS fixes", path, "check the file");
   return fixes;

@@ -15,15 +15,13 @@
 #include <vector>
 
 #include "modules/door/items.h"
+#include "tools/dataset/input_log.h"
 
 namespace pirvs::tools {
-
-struct Count;
 
 enum class GnssFormat : uint8_t { kTable, kRtklib, kUbx, kNmea };
 GnssFormat gnss_format(const std::string& path);  // by the name's ending
 
-std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format,
-                               std::vector<Count>& rejected);
+std::vector<GnssFix> read_gnss(const std::string& path, GnssFormat format, InputLog& log);
 
 }  // namespace pirvs::tools

@@ -42,15 +42,8 @@ class File {
 };
 
 std::vector<GnssFix> read(const std::string& path) {
-  std::vector<Count> rejected;
-  return read_gnss(path, gnss_format(path), rejected);
-}
-
-size_t value_of(const std::vector<Count>& counts, const std::string& name) {
-  for (const Count& count : counts) {
-    if (count.name == name) return count.value;
-  }
-  return 0;
+  InputLog log;
+  return read_gnss(path, gnss_format(path), log);
 }
 
 TEST(gnss_file, a_table_is_read_as_it_says) {
@@ -91,10 +84,10 @@ TEST(gnss_file, what_is_no_table_is_refused_with_its_line) {
 TEST(gnss_file, rows_that_go_back_or_are_cut_off_are_counted) {
   const std::string row = "1600000000013000000,47.3,8.5,488,,,,1,1,,3d\n";
   const File file("d.csv", kHeading + row + row + "1600000001013000000,47.3,8");
-  std::vector<Count> rejected;
-  EXPECT_EQ(read_gnss(file.path(), GnssFormat::kTable, rejected).size(), 1u);
-  EXPECT_EQ(value_of(rejected, "gnss_stamps_not_rising"), 1u);
-  EXPECT_EQ(value_of(rejected, "gnss_rows_truncated"), 1u);
+  InputLog log;
+  EXPECT_EQ(read_gnss(file.path(), GnssFormat::kTable, log).size(), 1u);
+  EXPECT_EQ(log.counted("gnss_stamps_not_rising"), 1u);
+  EXPECT_EQ(log.counted("gnss_rows_truncated"), 1u);
 }
 
 TEST(gnss_file, a_recording_has_its_fixes_and_antenna) {

@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "board/bare/pack_input.h"
 #include "bsp/replay/pack.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/player.h"
@@ -63,6 +64,11 @@ bsp::PackHeader header_of(const Recording& recording) {
   out.accel_walk = noise.accel_walk;
   out.rate_hz = noise.rate_hz;
   for (int c = 0; c < 2; ++c) out.camera[c] = packed(recording.calibration.camera[c]);
+  const GnssAntenna& antenna = recording.calibration.gnss;
+  out.fix_count = uint32_t(recording.gnss.size());
+  for (int i = 0; i < 3; ++i) out.antenna[i] = antenna.p_BA[i];
+  out.gnss_time_offset_ns = antenna.time_offset_ns;
+  out.gnss_latency_ns = recording.gnss_sensor.latency_ns;
   return out;
 }
 
@@ -71,6 +77,23 @@ void put_samples(const Recording& recording, uint8_t* to) {
     const bsp::PackedSample out = {sample.t,
                                    {sample.w_B.x(), sample.w_B.y(), sample.w_B.z()},
                                    {sample.f_B.x(), sample.f_B.y(), sample.f_B.z()}};
+    std::memcpy(to, &out, sizeof out);
+    to += sizeof out;
+  }
+}
+
+void put_fixes(const Recording& recording, uint8_t* to) {
+  for (const GnssFix& fix : recording.gnss) {
+    const bsp::PackedFix out = {fix.t,
+                                fix.latitude_deg,
+                                fix.longitude_deg,
+                                fix.height_m,
+                                {fix.v_ned.x(), fix.v_ned.y(), fix.v_ned.z()},
+                                fix.sigma_horizontal_m,
+                                fix.sigma_vertical_m,
+                                fix.sigma_velocity_m_s,
+                                uint32_t(fix.type),
+                                fix.has_velocity};
     std::memcpy(to, &out, sizeof out);
     to += sizeof out;
   }
@@ -86,7 +109,8 @@ size_t write_pack(const Recording& recording, const std::string& path,
   bsp::PackHeader header = header_of(recording);
   const size_t samples_at = sizeof header;
   const size_t frames_at = samples_at + header.imu_count * sizeof(bsp::PackedSample);
-  const size_t images_at = aligned(frames_at + header.frame_count * sizeof(bsp::PackedFrame));
+  const size_t fixes_at = frames_at + header.frame_count * sizeof(bsp::PackedFrame);
+  const size_t images_at = aligned(fixes_at + header.fix_count * sizeof(bsp::PackedFix));
   size_t image_bytes[2];
   for (int c = 0; c < 2; ++c) {
     const Camera& camera = recording.calibration.camera[c];
@@ -94,6 +118,7 @@ size_t write_pack(const Recording& recording, const std::string& path,
   }
   Block block(images_at + header.frame_count * (image_bytes[0] + image_bytes[1]));
   put_samples(recording, block.data() + samples_at);
+  put_fixes(recording, block.data() + fixes_at);
   size_t at = images_at;
   Player player(recording);
   for (size_t i = 0; const StereoFrame* frame = player.next(); player.release(frame), ++i) {
@@ -152,10 +177,13 @@ Recording open_pack(const std::string& path) {
   Recording recording;
   recording.folder = path;
   recording.pack = block;
-  for (int c = 0; c < 2; ++c) recording.calibration.camera[c] = pack.camera(c);
-  recording.calibration.imu = {header.gyro_noise, header.gyro_walk, header.accel_noise,
-                               header.accel_walk, header.rate_hz};
-  recording.calibration.camera_time_offset_ns = header.camera_time_offset_ns;
+  recording.calibration = board::calibration_of(pack);
+  recording.gnss_sensor.antenna = recording.calibration.gnss;
+  recording.gnss_sensor.latency_ns = header.gnss_latency_ns;
+  for (size_t i = 0; i < header.fix_count; ++i) {
+    recording.gnss.push_back(board::fix_of(pack.fix(i)));
+  }
+  recording.gnss_apart = true;
   for (size_t i = 0; i < header.imu_count; ++i) recording.imu.push_back(pack.imu(i));
   for (size_t i = 0; i < header.frame_count; ++i) {
     const StereoFrame frame = pack.frame(i);

@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstddef>
+#include <cstring>
 #include <fstream>
 #include <sstream>
 
@@ -53,6 +55,46 @@ void expect_equal(const Camera& a, const Camera& b) {
   for (int i = 0; i < 4; ++i) EXPECT_EQ(a.d[i], b.d[i]);
   EXPECT_EQ(a.T_BC.R, b.T_BC.R);
   EXPECT_EQ(a.T_BC.p, b.T_BC.p);
+}
+
+TEST(pack, has_the_fixes_and_where_their_antenna_sits) {
+  Packed packed;
+  packed.folder.write("gnss0/sensor.yaml",
+                      "T_BS:\n  cols: 4\n  rows: 4\n  data: [1, 0, 0, 0.1, 0, 1, 0, 0.2, 0, 0, 1, "
+                      "0.3, 0, 0, 0, 1]\ntime_offset: -0.01\nlatency: 0.02\n");
+  const Recording empty = open_recording(packed.folder.folder(), {});
+  const std::string begin = std::to_string(empty.imu.front().t);
+  packed.folder.write("gnss0/data.csv",
+                      "#timestamp [ns],a,b,c,d,e,f,g,h,i,fix\n" + begin +
+                          ",47.1234567891,8.5,488.25,1,2,,0.01,0.02,0.03,fixed\n" +
+                          std::to_string(empty.imu.back().t) + ",47.1,8.5,488,,,,1,2,,3d\n");
+  packed.pack();
+  const Recording folder = open_recording(packed.folder.folder(), {});
+  const Recording pack = open_recording(packed.path, {});
+  ASSERT_EQ(folder.gnss.size(), 2u);
+  ASSERT_EQ(pack.gnss.size(), 2u);
+  for (size_t i = 0; i < 2; ++i) {
+    const GnssFix &a = folder.gnss[i], &b = pack.gnss[i];
+    EXPECT_EQ(a.t, b.t);
+    EXPECT_EQ(a.latitude_deg, b.latitude_deg);
+    EXPECT_EQ(a.height_m, b.height_m);
+    EXPECT_EQ(a.v_ned.head<2>(), b.v_ned.head<2>());
+    EXPECT_EQ(std::isnan(a.v_ned.z()), std::isnan(b.v_ned.z()));
+    EXPECT_EQ(a.sigma_vertical_m, b.sigma_vertical_m);
+    EXPECT_EQ(a.type, b.type);
+    EXPECT_EQ(a.has_velocity, b.has_velocity);
+  }
+  EXPECT_TRUE(pack.gnss_apart);
+  EXPECT_EQ(pack.calibration.gnss.p_BA, Vec3(0.1, 0.2, 0.3));
+  EXPECT_EQ(pack.calibration.gnss.time_offset_ns, -10'000'000);
+  EXPECT_EQ(pack.gnss_sensor.latency_ns, 20'000'000);
+  std::string wrong = read(packed.path);
+  bsp::PackHeader header;
+  std::memcpy(&header, wrong.data(), sizeof header);
+  const size_t fixes = sizeof header + header.imu_count * sizeof(bsp::PackedSample) +
+                       header.frame_count * sizeof(bsp::PackedFrame);
+  wrong[fixes + offsetof(bsp::PackedFix, type)] = 9;
+  EXPECT_NE(packed.error_of(wrong).find("damaged"), std::string::npos);
 }
 
 TEST(pack, plays_what_the_folder_plays) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <opencv2/core.hpp>
 #include <opencv2/imgcodecs.hpp>
 #include <string>
 
@@ -57,6 +58,23 @@ bool cut_off(const std::vector<uint8_t>& file) {
   if (begins(kJpegBegin)) return !ends(kJpegEnd);
   if (begins(kPngBegin)) return !ends(kPngEnd);
   return pgm_cut_off(file);
+}
+
+[[noreturn]] void fail_about_size(const Camera& expected, const cv::Size& found,
+                                  const std::string& first) {
+  const auto size = [](int width, int height) {
+    return std::to_string(width) + " x " + std::to_string(height);
+  };
+  const bool exchanged = found.width == expected.height && found.height == expected.width;
+  const bool scaled =
+      int64_t{found.width} * expected.height == int64_t{found.height} * expected.width;
+  throw InputError("the images' size is not the calibration's (" + size(found.width, found.height) +
+                       ", not " + size(expected.width, expected.height) + ")",
+                   first,
+                   exchanged ? "width and height are exchanged: repair the calibration's resolution"
+                   : scaled
+                       ? "the calibration is of another resolution: scale fx, fy, cx, cy with it"
+                       : "give the calibration of this recording with --calib");
 }
 
 }  // namespace
@@ -114,19 +132,19 @@ void Player::check_first_images() {
   const size_t tries = std::min(kTries, recording_.frames.size());
   const std::string& first = recording_.frames[0].image[recording_.frames[0].image[0].empty()];
   bool wrong_size = false;
+  Camera expected;
   for (size_t i = 0; i < tries; ++i) {
     for (int c = 0; c < recording_.calibration.cameras; ++c) {
       const std::string& path = recording_.frames[i].image[c];
       if (path.empty()) continue;
       const Read result = decode_image(path, c, slots_[0].pixels[c]);
       if (result == Read::kGood) return;
-      wrong_size = wrong_size || result == Read::kWrongSize;
+      if (result != Read::kWrongSize) continue;
+      wrong_size = true;
+      expected = recording_.calibration.camera[c];
     }
   }
-  if (wrong_size) {
-    throw InputError("the images' size is not the calibration's", first,
-                     "give the calibration of this recording with --calib");
-  }
+  if (wrong_size) fail_about_size(expected, wrong_size_, first);
   throw InputError("no image can be read", first, "check that the recording is complete");
 }
 
@@ -179,21 +197,39 @@ void Player::decode_frame(const FrameFiles& files, Slot& slot) {
   }
 }
 
-Player::Read Player::decode_image(const std::string& path, int camera,
-                                  std::vector<uint8_t>& pixels) {
+Player::Read Player::load(const std::string& path, cv::Mat& image) {
+  if (recording_.store) return recording_.store->read(path, image);
   if (!read_file(path, file_)) return Read::kMissing;
   if (cut_off(file_) || file_.empty()) return Read::kCutOff;
-  const Camera& expected = recording_.calibration.camera[camera];
   const cv::Mat bytes(1, int(file_.size()), CV_8UC1, file_.data());
-  cv::Mat image;  // not over pixels: on a bad file some decoders leave there what was there before
+  // Not over pixels: on a bad file some decoders leave there what was there before.
+  image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+  return image.empty() ? Read::kUndecodable : Read::kGood;
+}
+
+Player::Read Player::decode_image(const std::string& path, int camera,
+                                  std::vector<uint8_t>& pixels) {
+  const Camera& expected = recording_.calibration.camera[camera];
+  const int turns = recording_.turns[camera];
+  cv::Mat image;
   try {
-    image = cv::imdecode(bytes, cv::IMREAD_GRAYSCALE);
+    const Read result = load(path, image);
+    if (result != Read::kGood) return result;
+    if (turns != 0) {
+      constexpr cv::RotateFlags kTurns[] = {cv::ROTATE_90_CLOCKWISE, cv::ROTATE_180,
+                                            cv::ROTATE_90_COUNTERCLOCKWISE};
+      cv::rotate(image, image, kTurns[turns - 1]);
+    }
   } catch (const cv::Exception&) {
     return Read::kUndecodable;
   }
-  if (image.empty()) return Read::kUndecodable;
-  if (image.cols != expected.width || image.rows != expected.height) return Read::kWrongSize;
-  std::copy_n(image.ptr(), pixels.size(), pixels.begin());
+  if (image.cols != expected.width || image.rows != expected.height) {
+    wrong_size_ = image.size();
+    return Read::kWrongSize;
+  }
+  for (int y = 0; y < image.rows; ++y) {
+    std::copy_n(image.ptr(y), image.cols, pixels.begin() + std::ptrdiff_t(y) * image.cols);
+  }
   return Read::kGood;
 }
 

@@ -4,7 +4,7 @@
 // Out     next(): the next frame; it stays valid until release(), from any thread and in any order.
 //         An image that is missing, cut off or of the wrong size is left out of the frame (present)
 //         and counted by name. info.sequence: the frame's place in the recording.
-// Frames  image[c] is camera c, 8-bit grey, as recorded (distorted).
+// Frames  image[c] is camera c, 8-bit grey, distorted, turned as the recording says.
 // Units   t in ns: as stamped by the camera; the sensor door applies camera_time_offset_ns.
 // Errors  InputError on construction: none of the first images can be read, or their size is not
 //         the calibration's.
@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "bsp/replay/replay.h"
+#include "tools/dataset/image_store.h"
 #include "tools/dataset/recording.h"
 
 namespace pirvs::tools {
@@ -40,7 +41,7 @@ class Player {
   std::vector<Count> rejected() const;
 
  private:
-  enum class Read : uint8_t { kGood, kMissing, kCutOff, kUndecodable, kWrongSize, kCount };
+  using Read = ImageRead;
   static constexpr size_t kSlots = 12                     // decoded ahead
                                    + bsp::kReplayFrames;  // lent
 
@@ -66,6 +67,8 @@ class Player {
   Slot* wait_for_free_slot();
   void decode_frame(const FrameFiles& files, Slot& slot);
   Read decode_image(const std::string& path, int camera, std::vector<uint8_t>& pixels);
+  Read load(const std::string& path, cv::Mat& image);
+  cv::Size wrong_size_;  // of the last image that was of another size than the calibration's
 };
 
 }  // namespace pirvs::tools

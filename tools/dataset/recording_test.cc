@@ -5,6 +5,7 @@
 #include "modules/calibration/calibration_text.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/player.h"
+#include "tools/dataset/sensor_tables.h"
 #include "tools/dataset/test_recording.h"
 
 namespace pirvs::tools {
@@ -15,6 +16,12 @@ size_t value(const std::vector<Count>& counts, const std::string& name) {
     if (count.name == name) return count.value;
   }
   return 0;
+}
+
+std::string notes_of(const InputLog& log) {
+  std::string out;
+  for (const std::string& note : log.notes) out += note + "\n";
+  return out;
 }
 
 // The message if opening fails, else an empty text.
@@ -93,12 +100,16 @@ TEST(recording, stamped_since_the_device_was_started) {
 }
 
 TEST(recording, says_which_file_is_missing) {
-  for (const char* file : {"cam0/sensor.yaml", "cam1/sensor.yaml", "imu0/sensor.yaml",
-                           "cam0/data.csv", "cam1/data.csv", "imu0/data.csv"}) {
+  for (const char* file :
+       {"cam0/sensor.yaml", "cam1/sensor.yaml", "imu0/sensor.yaml", "imu0/data.csv"}) {
     const TestRecording disk;
     std::filesystem::remove(disk.path(file));
     PIRVS_EXPECT_SAYS(error_of(disk.folder()), file);
   }
+  const TestRecording disk;
+  std::filesystem::remove(disk.path("cam0/data.csv"));
+  std::filesystem::remove_all(disk.path("cam0/data"));
+  PIRVS_EXPECT_SAYS(error_of(disk.folder()), "cam0/data.csv");
   PIRVS_EXPECT_SAYS(error_of("/nowhere"), "no such recording");
   PIRVS_EXPECT_SAYS(error_of("/"), "no cam0");
 }
@@ -138,39 +149,133 @@ TEST(recording, a_bad_line_in_the_middle_is_named) {
   PIRVS_EXPECT_SAYS(error_of(truth.folder()), "not finite");
 }
 
-TEST(recording, nan_and_time_running_back_are_counted) {
+TEST(recording, rows_out_of_order_and_nan_are_counted) {
   const TestRecording disk;
   disk.replace("imu0/data.csv", ",0.01,0.02,", ",nan,0.02,");
-  disk.replace("imu0/data.csv", "1500000000000000000,", "1400000000000000000,");
+  disk.replace("imu0/data.csv", "1500000000000000000,", "1500000000012500000,");
   disk.replace("imu0/data.csv", "1500000000010000000,", "1500000000005000000,");
   disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000000000000,");
   const Recording recording = open_recording(disk.folder(), {});
   EXPECT_EQ(value(recording.rejected, "imu_samples_not_finite"), 1u);
-  EXPECT_EQ(value(recording.rejected, "imu_stamps_not_rising"), 2u);
-  EXPECT_EQ(value(recording.rejected, "image_stamps_not_rising"), 1u);
+  EXPECT_EQ(value(recording.rejected, "imu_rows_out_of_order"), 2u);
+  EXPECT_EQ(value(recording.rejected, "imu_rows_repeated"), 1u);
+  EXPECT_EQ(value(recording.rejected, "image_rows_out_of_order"), 1u);
+  EXPECT_EQ(value(recording.rejected, "image_rows_repeated"), 1u);
   EXPECT_EQ(value(recording.rejected, "frames_without_right"), 1u);
+  EXPECT_EQ(recording.imu.size(), size_t(TestRecording::kImuSamples) - 2);
   for (size_t i = 1; i < recording.imu.size(); ++i) {
     EXPECT_GT(recording.imu[i].t, recording.imu[i - 1].t);
   }
+  PIRVS_EXPECT_SAYS(notes_of(recording), "2 of 119 IMU rows were out of order");
+}
+
+// Blocks of rows exchanged, as two threads write them, and each of them twice: the same recording.
+TEST(recording, blocks_out_of_order_are_sorted) {
+  const TestRecording disk;
+  const Recording whole = open_recording(disk.folder(), {});
+  std::istringstream in(disk.read("imu0/data.csv"));
+  std::vector<std::string> rows;
+  for (std::string row; std::getline(in, row);) rows.push_back(row + "\n");
+  std::string text = rows[0];
+  for (size_t i = 1; i + 20 <= rows.size(); i += 20) {
+    for (size_t k = 0; k < 20; ++k) text += rows[i + (k + 10) % 20] + rows[i + (k + 10) % 20];
+  }
+  disk.write("imu0/data.csv", text + rows.back());
+  const Recording sorted = open_recording(disk.folder(), {});
+  ASSERT_EQ(sorted.imu.size(), whole.imu.size());
+  for (size_t i = 0; i < whole.imu.size(); ++i) EXPECT_EQ(sorted.imu[i].t, whole.imu[i].t);
+  EXPECT_EQ(sorted.counted("imu_rows_repeated"), 120u);
+}
+
+TEST(recording, stamps_in_any_unit_are_one_recording) {
+  const Recording whole = open_recording(TestRecording().folder(), {});
+  // What is written for a stamp of the test recording, all of whose stamps are whole milliseconds.
+  const auto written = [](long long ns, int form) {
+    const std::string ms = std::to_string(ns / 1'000'000);
+    const std::string s = ms.substr(0, ms.size() - 3) + "." + ms.substr(ms.size() - 3);
+    const std::string forms[] = {ms + "000", ms, s, ms + "000000.0",
+                                 ms.substr(0, 1) + "." + ms.substr(1) + "e+12"};
+    return forms[form];
+  };
+  for (int form = 0; form < 5; ++form) {
+    const TestRecording disk;
+    for (const char* file : {"cam0/data.csv", "cam1/data.csv", "imu0/data.csv",
+                             "state_groundtruth_estimate0/data.csv"}) {
+      std::istringstream rows(disk.read(file));
+      std::string text;
+      for (std::string row; std::getline(rows, row);) {
+        const size_t comma = row.find(',');
+        if (row[0] != '#')
+          row = written(std::stoll(row.substr(0, comma)), form) + row.substr(comma);
+        text += row + "\n";
+      }
+      disk.write(file, text);
+    }
+    const Recording read = open_recording(disk.folder(), {});
+    ASSERT_EQ(read.frames.size(), whole.frames.size()) << form;
+    EXPECT_EQ(read.frames[3].t, whole.frames[3].t) << form;
+    EXPECT_EQ(read.imu[5].t, whole.imu[5].t) << form;
+    EXPECT_EQ(read.truth.poses[7].t, whole.truth.poses[7].t) << form;
+    EXPECT_EQ(read.notes.empty(), form == 3) << form;  // nanoseconds need no word
+    EXPECT_TRUE(read.rejected.empty());
+  }
+}
+
+// Names with folders, stamps alone, no table at all: loggers do all of these.
+TEST(recording, images_are_found_where_tables_do_not_say) {
+  for (const int form : {0, 1, 2}) {
+    const TestRecording disk;
+    for (const std::string camera : {"cam0", "cam1"}) {
+      std::istringstream rows(disk.read(camera + "/data.csv"));
+      std::string text;
+      for (std::string row; std::getline(rows, row);) {
+        const size_t comma = row.find(',');
+        if (row[0] == '#') continue;
+        text += form == 0 ? row.substr(0, comma + 1) + camera + "/data/" + row.substr(comma + 1)
+                          : row.substr(0, comma);
+        text += "\n";
+      }
+      disk.write(camera + "/data.csv", text);
+      if (form == 2) std::filesystem::remove(disk.path(camera + "/data.csv"));
+    }
+    const Recording recording = open_recording(disk.folder(), {});
+    ASSERT_EQ(recording.frames.size(), size_t(TestRecording::kFrames)) << form;
+    EXPECT_EQ(Player(recording).next()->present, 3) << form;
+  }
+}
+
+TEST(recording, columns_of_the_imu_go_by_their_names) {
+  const TestRecording disk;
+  InputLog log;
+  disk.write("imu0/data.csv",
+             "#timestamp [ns],q_w,q_x,q_y,q_z,a_x [g],a_y [g],a_z [g],w_x [deg/s],w_y,w_z\n"
+             "1500000000000000000,1,0,0,0,0.5,0,1,180,0,90\n"
+             "1500000000005000000,1,0,0,0,0.5,0,1,180,0,90\n");
+  const auto samples = read_imu_samples(disk.path("imu0/data.csv"), log);
+  EXPECT_LT((samples[0].w_B - Vec3(M_PI, 0, M_PI / 2)).norm(), 1e-12);
+  EXPECT_LT((samples[0].f_B - Vec3(0.5, 0, 1) * 9.80665).norm(), 1e-12);
+  EXPECT_EQ(log.notes.size(), 3u);
+  disk.write("imu0/data.csv",
+             "t,orientation.x,orientation.y,orientation.z,x1,y1,z1,x2,y2,z2\n"
+             "1500000000000000000,0,0,0,0,0,0,0,0,9.8\n");
+  EXPECT_THROW(read_imu_samples(disk.path("imu0/data.csv"), log), InputError);
 }
 
 // Of a clock that counts from the start of its machine: few digits, and nanoseconds all the same.
-TEST(recording, a_heading_says_that_short_stamps_are_nanoseconds) {
+TEST(recording, short_stamps_are_nanoseconds_where_the_rate_says_so) {
   const TestRecording disk;
-  const std::string rows = "9225512043,0,0,0,0,0,9.81\n9230512219,0,0,0,0,0,9.81\n";
-  std::vector<Count> rejected;
-  disk.write("imu0/data.csv", "#timestamp [ns],w_x,w_y,w_z,a_x,a_y,a_z\n" + rows);
-  const auto samples = read_imu_samples(disk.path("imu0/data.csv"), rejected);
-  ASSERT_EQ(samples.size(), 2u);
-  EXPECT_EQ(samples[0].t, 9'225'512'043);
+  InputLog log;
   disk.write("imu0/data.csv",
-             "timestamp,w_x,w_y,w_z,a_x,a_y,a_z\n922,0,0,0,0,0,9.81\n923,0,0,0,0,0,9.81\n");
-  EXPECT_EQ(read_imu_samples(disk.path("imu0/data.csv"), rejected).at(0).t, 922'000'000'000);
+             "t,w_x,w_y,w_z,a_x,a_y,a_z\n0,0,0,0,0,0,9.81\n5000176,0,0,0,0,0,9.81\n");
+  EXPECT_EQ(read_imu_samples(disk.path("imu0/data.csv"), log).at(1).t, 5'000'176);
+  disk.write("imu0/data.csv",
+             "t,w_x,w_y,w_z,a_x,a_y,a_z\n922,0,0,0,0,0,9.81\n927,0,0,0,0,0,9.81\n");
+  EXPECT_EQ(read_imu_samples(disk.path("imu0/data.csv"), log).at(0).t, 922'000'000);
 }
 
 TEST(recording, unequal_cameras_play_as_single_images) {
   const TestRecording disk;
-  disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000110000000,");
+  disk.replace("cam1/data.csv", "1500000000100000000,", "1500000000130000000,");
   const Recording recording = open_recording(disk.folder(), {});
   ASSERT_EQ(recording.frames.size(), size_t(TestRecording::kFrames) + 1);
   EXPECT_EQ(value(recording.rejected, "frames_without_left"), 1u);
@@ -183,7 +288,8 @@ TEST(recording, bad_calibrations_are_named) {
   const char* const cases[][3] = {
       {"resolution: [64, 48]", "resolution: [64]", "resolution"},
       {"resolution: [64, 48]", "resolution: [72, 48]", "size is not the calibration's"},
-      {"radial-tangential", "fov", "unknown model 'fov'"},
+      {"resolution: [64, 48]", "resolution: [48, 64]", "width and height are exchanged"},
+      {"radial-tangential", "scaramuzza", "unknown model 'scaramuzza'"},
       {"[-0.1, 0.01, 0.001, 0.002]", "[-0.1, 0.01]", "distortion_coefficients"},
       {"[50.0, 51.0,", "[.nan, 51.0,", "intrinsics"},
       {"data: [1, 0,", "data: [2, 0,", "not a rotation"},

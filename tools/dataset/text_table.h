@@ -1,13 +1,10 @@
 // What    Reads text tables of numbers (ASL .csv, TUM .tum) and points at the line that is wrong.
-// In      A file of rows; fields apart by commas or blanks; '#' starts a comment line.
+// In      A file of rows; fields apart by commas, semicolons or blanks; '#' starts a comment line.
 // Out     One row at a time: its fields as text, its line number; decoded on request.
-// Units   stamps, in the first column: seconds with a decimal point, or integers, of which the
-//         heading or the whole column decides what they are: nanoseconds if the heading says
-//         `[ns]`, if one has more than 15 digits or if they are 0.1 ms apart or more; seconds if
-//         another has a decimal point or if they are 1000 s apart or less. All become TimeNs
+// Units   stamps, in the first column: one unit for the whole column (stamps.h); all become TimeNs
 //         exactly.
-// Errors  InputError with file and line; of integers that may be either, too. A last line that was
-//         cut off is not an error: cut_off().
+// Errors  InputError with file and line; of stamps whose unit nothing tells, too. A last line that
+//         was cut off is not an error: cut_off().
 // Cost    ~0.3 us per field; an EuRoC recording's IMU loads in ~50 ms.
 #pragma once
 
@@ -17,17 +14,24 @@
 #include <string_view>
 #include <vector>
 
-#include "core/base/time.h"
+#include "tools/dataset/stamps.h"
 
 namespace pirvs::tools {
-
-// Of stamps that are integers.
-enum class StampUnit : uint8_t { kUnknown, kNanoseconds, kSeconds };
 
 class TextTable {
  public:
   // Reads the whole file. what_it_is names it in error messages ("IMU samples").
-  TextTable(const std::string& path, const std::string& what_it_is);
+  TextTable(const std::string& path, const std::string& what_it_is, const StampRule& rule = {});
+
+  // Of a text that is no file; `path` is what errors name.
+  struct Content {
+    std::string text;
+  };
+  TextTable(Content content, const std::string& path, const std::string& what_it_is,
+            const StampRule& rule = {});
+  // Rows and headings point into the text.
+  TextTable(const TextTable&) = delete;
+  TextTable& operator=(const TextTable&) = delete;
 
   // Steps to the next row; false at the end. The first row may be a heading and is then skipped.
   bool next();
@@ -37,6 +41,10 @@ class TextTable {
   std::optional<double> number(size_t column) const;  // may be NaN; nullopt: not a number
   std::optional<TimeNs> stamp() const;                // of the first column
   bool has_commas() const { return has_commas_; }
+  StampUnit unit() const { return unit_; }
+  size_t line() const { return line_; }
+  // The last line above the first row that is not one, without its '#'; perhaps empty.
+  std::string_view heading() const { return heading_; }
   // The row at hand is the file's last one and has no line end: it may have been cut off.
   bool cut_off() const { return cut_off_; }
 
@@ -53,8 +61,10 @@ class TextTable {
   bool has_commas_ = false;
   bool cut_off_ = false;
   std::vector<std::string_view> fields_;
-  StampUnit unit_;
+  std::string_view heading_;
+  StampUnit unit_ = StampUnit::kUnknown;
 
+  void look_through(const StampRule& rule);
   bool split(std::string_view line);
 };
 

@@ -57,8 +57,8 @@ void decode(const double* value, size_t columns, bool commas, TrajectoryPose& ou
 
 }  // namespace
 
-Trajectory read_trajectory(const std::string& path) {
-  TextTable table(path, "trajectory");
+Trajectory read_trajectory(const std::string& path, const StampRule& rule) {
+  TextTable table(path, "trajectory", rule);
   Trajectory out;
   size_t columns = 0;
   while (table.next()) {
@@ -79,8 +79,8 @@ Trajectory read_trajectory(const std::string& path) {
     pose.t = *t;
     // Decimal seconds take strtod's rounding, integers one division: what scripts compute with.
     const std::string text(table.text(0));
-    pose.t_s =
-        text.find('.') == std::string::npos ? double(*t) / 1e9 : std::strtod(text.c_str(), nullptr);
+    const bool decimal = table.unit() == StampUnit::kSeconds && text.find('.') != std::string::npos;
+    pose.t_s = decimal ? std::strtod(text.c_str(), nullptr) : double(*t) / 1e9;
     decode(value, columns, table.has_commas(), pose);
     const double norm = pose.q_WB.norm();
     if (!(norm > 1e-3 && norm < 1e3)) {

@@ -14,6 +14,7 @@
 
 #include "core/base/time.h"
 #include "core/math/types.h"
+#include "tools/dataset/stamps.h"
 
 namespace pirvs::tools {
 
@@ -33,7 +34,7 @@ struct Trajectory {
   size_t rows_truncated = 0;
 };
 
-Trajectory read_trajectory(const std::string& path);
+Trajectory read_trajectory(const std::string& path, const StampRule& rule = {});
 
 // One line of a .tum file, with its line end; seconds with nine decimals, exact to the nanosecond.
 std::string tum_line(TimeNs t, const Vec3& p_WB, const Vec4& q_WB);

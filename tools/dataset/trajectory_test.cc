@@ -30,10 +30,11 @@ TEST(text_table, stamps_are_exact) {
   EXPECT_EQ(Stamp("1403636584.763555584").t, TimeNs{1403636584763555584});
   EXPECT_EQ(Stamp("0.026060").t, TimeNs{26'060'000});
   EXPECT_EQ(Stamp("-0.5").t, TimeNs{-500'000'000});
-  for (const char* bad : {"x", "1.2.3", "1e9", "99999999999999999999", "nan"}) {
+  for (const char* bad : {"x", "1.2.3", "99999999999999999999", "nan"}) {
     EXPECT_FALSE(Stamp(bad).t) << bad;
     EXPECT_EQ(Stamp(bad).doubt, "");
   }
+  EXPECT_FALSE(Stamp("1e9").t) << "a number, of whatever unit";
 }
 
 TEST(text_table, the_whole_column_decides_what_integers_are) {
@@ -45,19 +46,19 @@ TEST(text_table, the_whole_column_decides_what_integers_are) {
   EXPECT_EQ(Stamp("0,0\n5000000,0\n10000000,0\n").t, TimeNs{0});
   EXPECT_EQ(Stamp("5000000,0\n0,0\n5000000,0\n5000000,0\n").t, TimeNs{5'000'000})
       << "whatever their order";
-  EXPECT_EQ(Stamp("999999999999999,0\n1000000000999999,0\n").t, TimeNs{999'999'999'999'999});
   EXPECT_EQ(Stamp("73000000000,0\n").t, TimeNs{73'000'000'000}) << "no clock shows the year 4283";
 }
 
 TEST(text_table, integers_that_may_be_either_are_refused) {
-  for (const char* table : {"12 0\n", "0 0\n50000 0\n100000 0\n",     // us
-                            "1764140000000 0\n1764140000050 0\n"}) {  // ms since 1970
+  for (const char* table : {"12 0\n", "0 0\n50000 0\n100000 0\n"}) {
     const Stamp stamp(table);
     EXPECT_FALSE(stamp.t) << table;
-    EXPECT_NE(stamp.doubt.find("nanoseconds or seconds"), std::string::npos) << table;
+    EXPECT_NE(stamp.doubt.find("may be ns, us, ms or s"), std::string::npos) << table;
     EXPECT_NE(stamp.doubt.find("a.csv line 1"), std::string::npos) << stamp.doubt;
-    EXPECT_NE(stamp.doubt.find("decimal point"), std::string::npos) << "what to do";
+    EXPECT_NE(stamp.doubt.find("--stamps"), std::string::npos) << "what to do";
   }
+  EXPECT_EQ(Stamp("1764140000000 0\n1764140000050 0\n").t, TimeNs{1'764'140'000'000'000'000})
+      << "ms since 1970";
 }
 
 TEST(trajectory, reads_every_format_alike) {

@@ -1,40 +1,28 @@
 #include "tools/dataset/wheel_file.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "tools/dataset/input_error.h"
-#include "tools/dataset/recording.h"
 #include "tools/dataset/text_table.h"
 
 namespace pirvs::tools {
 
-std::vector<WheelSample> read_wheels(const std::string& path, WheelKind kind,
-                                     std::vector<Count>& rejected) {
+std::vector<WheelSample> read_wheels(const std::string& path, WheelKind kind, InputLog& log) {
   TextTable table(path, "wheels");
   std::vector<WheelSample> samples;
-  const auto count = [&rejected](const char* name) {
-    const auto found = std::find_if(rejected.begin(), rejected.end(),
-                                    [name](const Count& c) { return c.name == name; });
-    if (found == rejected.end()) {
-      rejected.push_back({name, 1});
-    } else {
-      ++found->value;
-    }
-  };
   while (table.next()) {
     const auto t = table.stamp();
     const bool whole = t && table.columns() >= 3 && table.number(1) && table.number(2);
     if (!whole) {
       if (!table.cut_off()) table.fail("needs time and two numbers", "remove or repair the line");
-      count("wheel_rows_truncated");
+      log.count("wheel_rows_truncated");
       continue;
     }
     const WheelSample sample{*t, {*table.number(1), *table.number(2)}, kind};
     if (!std::isfinite(sample.value[0]) || !std::isfinite(sample.value[1])) {
-      count("wheel_samples_not_finite");
+      log.count("wheel_samples_not_finite");
     } else if (!samples.empty() && sample.t <= samples.back().t) {
-      count("wheel_stamps_not_rising");
+      log.count("wheel_stamps_not_rising");
     } else {
       samples.push_back(sample);
     }

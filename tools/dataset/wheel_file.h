@@ -12,12 +12,10 @@
 #include <vector>
 
 #include "modules/wheels/wheel_sample.h"
+#include "tools/dataset/input_log.h"
 
 namespace pirvs::tools {
 
-struct Count;
-
-std::vector<WheelSample> read_wheels(const std::string& path, WheelKind kind,
-                                     std::vector<Count>& rejected);
+std::vector<WheelSample> read_wheels(const std::string& path, WheelKind kind, InputLog& log);
 
 }  // namespace pirvs::tools

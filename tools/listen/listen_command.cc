@@ -1,10 +1,12 @@
 // `pirvs listen [HOST]`: what a device tells over the network, on the screen and in a run folder.
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <iterator>
 #include <memory>
 
 #include "bsp/api/clock.h"
+#include "core/math/trig.h"
 #include "tools/cli/command.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/trajectory.h"
@@ -50,6 +52,14 @@ class Screen {
                  to_seconds(pose.t), pose.p_WB.x(), pose.p_WB.y(), pose.p_WB.z(), pose.v_WB.norm(),
                  name(pose.health), double(pose.confidence), log.path_m(), rate, kB_s, totals.lost);
     if (clock.known) std::fprintf(stderr, "  clock +-%.2f ms", 5e-7 * double(clock.round_trip_ns));
+    if (!log.fused().empty()) {
+      constexpr double kDegree = kPi / 180;
+      const FusedPose& fused = log.fused().back();
+      const double variance_m2 = (fused.cov(3, 3) + fused.cov(4, 4)) / 2;
+      std::fprintf(stderr, "  earth %.7f %.7f %.2f m +-%.2f m %s",
+                   fused.place.latitude_rad / kDegree, fused.place.longitude_rad / kDegree,
+                   fused.place.height_m, std::sqrt(variance_m2), name(fused.health));
+    }
     if (!log.pps().empty()) {
       std::fprintf(stderr, "  pps %+.0f ppb +-%.0f ns", log.pps().back().rate_ppb,
                    double(log.pps().back().noise_ns));
@@ -64,8 +74,8 @@ class Screen {
 
 uint32_t wanted_kinds(const Options& options) {
   uint32_t kinds = 0;
-  for (const Kind kind :
-       {Kind::kPose, Kind::kHealth, Kind::kCounters, Kind::kPoints, Kind::kSyncIn, Kind::kPps}) {
+  for (const Kind kind : {Kind::kPose, Kind::kHealth, Kind::kCounters, Kind::kPoints, Kind::kSyncIn,
+                          Kind::kPps, Kind::kFused}) {
     kinds |= stream::bit(kind);
   }
   return options.no_images ? kinds : kinds | stream::bit(Kind::kThumbnail);

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -75,6 +76,13 @@ TEST_F(listen, makes_a_run_folder_of_what_the_device_tells) {
   bsp::Pps clock;  // 50 ppm slower than ours
   for (int i = 0; i < 5; ++i) ASSERT_TRUE(clock.add(i * TimeNs{1'000'050'000}));
   device_.pps(clock);
+  FusedPose fused;
+  fused.t = 42 * kMilli;
+  fused.T_EB.p = Vec3(3, 4, 5);
+  fused.health = FusionHealth::kFused;
+  fused.sources = kFromSlam | kFromGnss;
+  for (int i = 0; i < 2; ++i) device_.fused(fused);  // the same time twice: a fix that came late
+  device_.imu({43 * kMilli, Vec3(1, 2, 3), Vec3(4, 5, 6)});
   static uint8_t pixels[64 * 48];
   for (size_t i = 0; i < sizeof pixels; ++i) pixels[i] = static_cast<uint8_t>(i);
   StereoFrame frame;
@@ -93,6 +101,14 @@ TEST_F(listen, makes_a_run_folder_of_what_the_device_tells) {
   ASSERT_EQ(trajectory.poses.size(), 100u);
   EXPECT_EQ(trajectory.poses[99].t, 495 * kMilli);
   EXPECT_TRUE(std::filesystem::exists(folder_ + "/run/thumbnails/99.png"));
+  const Trajectory earth = read_trajectory(folder_ + "/run/fused.tum");
+  ASSERT_EQ(earth.poses.size(), 1u);
+  EXPECT_EQ(earth.poses[0].t, fused.t);
+  EXPECT_EQ(earth.poses[0].p_WB, fused.T_EB.p);
+  std::ifstream table(folder_ + "/run/fused.csv");
+  const std::string rows((std::istreambuf_iterator<char>(table)), {});
+  EXPECT_NE(rows.find("slam+gnss,fused,"), std::string::npos) << rows;
+  EXPECT_EQ(log.totals().of_kind[size_t(stream::Kind::kImu)], 1u);
   std::ifstream summary(folder_ + "/run/summary.json");
   const auto json = nlohmann::json::parse(summary);
   EXPECT_EQ(json["poses"], 100);

@@ -11,6 +11,7 @@
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/trajectory.h"
 #include "tools/run/files.h"
+#include "tools/run/fused.h"
 
 namespace pirvs::tools {
 namespace {
@@ -86,6 +87,12 @@ bool StreamLog::take(const stream::Header& header, const uint8_t* payload) {
       pps_.push_back(pps);
       return true;
     }
+    case Kind::kFused: {
+      FusedPose pose;
+      if (!decode(header, payload, pose)) return false;
+      fused_.push_back(pose);
+      return true;
+    }
     case Kind::kCounters:
       take_counters(header, payload);
       return true;
@@ -130,6 +137,11 @@ void StreamLog::write(const std::string& source, const ClockOffset& clock) const
   std::string trajectory;
   for (const auto& pose : poses_) trajectory += tum_line(pose.t, pose.p_WB, pose.q_xyzw);
   out.write("trajectory.tum", trajectory);
+  const std::vector<FusedPose> fused = in_order(fused_);
+  if (!fused.empty()) {
+    out.write("fused.tum", fused_tum(fused));
+    out.write("fused.csv", fused_csv(fused));
+  }
   std::string health = "#t_ns,state,why\n";
   for (const Health& row : health_) {
     health += std::to_string(row.t) + "," + name(row.state) + "," + row.why + "\n";
@@ -168,6 +180,7 @@ void StreamLog::write(const std::string& source, const ClockOffset& clock) const
                   {"duration_s", duration_s},
                   {"poses", poses_.size()},
                   {"path_m", path_m_},
+                  {"fused_poses", fused.size()},
                   {"points", points_.size()},
                   {"sync_in_edges", sync_in_.size()},
                   {"thumbnails", thumbnails_},

@@ -1,7 +1,8 @@
 // What    What a device's stream has told, gathered into a run folder.
 // In      Datagrams in the order in which they came.
 // Out     Counts as they go; write(): trajectory.tum (every pose, at IMU rate), health.csv,
-//         sync_in.csv, pps.csv, map.ply, thumbnails/NS.png, summary.json with its counters.
+//         sync_in.csv, pps.csv, map.ply, thumbnails/NS.png, summary.json with its counters; with
+//         GNSS fused.tum and fused.csv, as pirvs run writes them.
 // Frames  as the stream.
 // Errors  Datagrams that are none of ours, or damaged, are counted. write: InputError.
 // Cost    ~150 bytes a pose in memory.
@@ -32,6 +33,7 @@ class StreamLog {
 
   const StreamTotals& totals() const { return totals_; }
   const std::vector<stream::PoseMessage>& poses() const { return poses_; }
+  const std::vector<FusedPose>& fused() const { return fused_; }
   const std::vector<stream::PpsMessage>& pps() const { return pps_; }
   const std::map<std::string, uint64_t>& counters() const { return counters_; }
   double path_m() const { return path_m_; }
@@ -63,6 +65,7 @@ class StreamLog {
   std::vector<Health> health_;
   std::vector<stream::SyncInMessage> sync_in_;
   std::vector<stream::PpsMessage> pps_;
+  std::vector<FusedPose> fused_;
   std::map<uint32_t, stream::Point> points_;  // newest place of each
   std::map<std::string, uint64_t> counters_;
   Image image_;

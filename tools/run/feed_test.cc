@@ -335,7 +335,7 @@ TEST(feed, a_row_of_the_order_that_makes_no_sense_is_named) {
                              "frame,1,3,0,0",
                              "frame,1,3,0,0,-1",
                              "edge,1,4,256,1,0",
-                             "wheel,1,3,0,0",
+                             "wheel,1,4,0,0",
                              "gnss,1,5,0,0,0,0,0,1,0,0,0,0",
                              "gnss,1,4,0,0,0,0,0,1,0,0,0",
                              "lost,gnss",

@@ -147,6 +147,7 @@ std::string summary(const RunInfo& info, const Recording& recording, const RunLo
                      {"pools_bytes", pools},
                      {"counters", counts_json(log.counters)},
                      {"input_rejected", input},
+                     {"input_notes", recording.notes},
                      {"faults", counts_json(info.faults)}};
   return root.dump(2) + "\n";
 }

@@ -14,7 +14,10 @@
 #include "tools/cli/command.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/progress.h"
+#include "tools/dataset/image_turn.h"
+#include "tools/dataset/imu_sense.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/recording_options.h"
 #include "tools/report/report.h"
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
@@ -88,6 +91,22 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
   std::printf("written to %s\n", options.out.c_str());
 }
 
+// Why a run did not end as it should, if it did not. Returns the exit status.
+int tell_end(const Recording& recording, const RunResult& result) {
+  if (stopped_by != 0) {
+    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
+    return kExitSignal + stopped_by;
+  }
+  if (!result.done) {
+    for (const std::string& why : faults_of(compare_turns(recording))) {
+      std::fprintf(stderr, "pirvs: %s\n", why.c_str());
+    }
+    const bool told = !result.verdict.empty();
+    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
+  }
+  return result.exit_status();
+}
+
 int run(const Options& options, const std::string& command) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
@@ -95,6 +114,9 @@ int run(const Options& options, const std::string& command) {
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
+  print_notes(recording);
+  const ImuFault fault = find_imu_fault(recording.imu);
+  if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
   OutputFolder out(options.out, options.force);
   if (!options.record.empty()) prepare_record_folder(options.record);
   RunLog log(recording.frames.size());
@@ -147,24 +169,18 @@ int run(const Options& options, const std::string& command) {
   if (options.trace) out.write("trace.json", trace_json());
   out.commit();
   print_result(options, log, result);
-  if (stopped_by != 0) {
-    std::fprintf(stderr, "pirvs: stopped by hand: the results are of what was run\n");
-    return kExitSignal + stopped_by;
-  }
-  if (!result.done) {
-    const bool told = !result.verdict.empty();
-    std::fprintf(stderr, "pirvs: %s\n", told ? result.verdict.c_str() : "the run was cut off");
-  }
-  return result.exit_status();
+  return tell_end(recording, result);
 }
 
 std::function<int()> declare_run(CLI::App& app) {
   const auto o = std::make_shared<Options>();
-  app.add_option("SEQ", o->sequence, "recording: an ASL/EuRoC folder or a packed file")->required();
+  app.add_option(
+         "SEQ", o->sequence,
+         "recording: an ASL/EuRoC folder, a ROS bag, a rosbag2 folder, MCAP, or a packed file")
+      ->required();
   app.add_option("--out", o->out, "folder for the results")->required();
+  add_recording_options(app, o->recording);
   app.add_flag("--force", o->force, "replace the results of an earlier run in --out");
-  app.add_option("--calib", o->recording.calibration,
-                 "Kalibr camchain-imucam.yaml or a device's *.cfg to use instead");
   app.add_option(
       "--gnss", o->recording.gnss,
       "fixes of a GNSS receiver, instead of the recording's own: .csv as in gnss0, .ubx, "
@@ -172,10 +188,6 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("--wheels", o->recording.wheels,
                  "what the wheels told, instead of the recording's own: a table as in wheel0, its "
                  "sensor.yaml beside it");
-  app.add_flag("--mono", o->recording.mono, "use the left camera alone; the IMU gives the scale");
-  app.add_option("--start", o->recording.start_s, "skip this many seconds")->check(not_negative());
-  app.add_option("--duration", o->recording.duration_s, "stop after this many seconds")
-      ->check(not_negative());
   auto* const real_time =
       app.add_flag("--realtime", o->real_time, "play at the pace of the recording");
   app.add_option("--cores", o->cores,

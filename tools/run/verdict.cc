@@ -1,52 +1,20 @@
 #include "tools/run/verdict.h"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdio>
+
+#include "tools/dataset/imu_sense.h"
 
 namespace pirvs::tools {
 namespace {
 
-constexpr double kGravity_min = 8.5, kGravity_max = 11.2;  // of a mean, a bias of 1 m/s^2 included
-constexpr double kRate_max = 8;                            // rad/s; degrees are 57 times as many
-
-std::string text(const char* format, double value) {
-  char out[192];
-  std::snprintf(out, sizeof out, format, value);
-  return out;
-}
-
 // What the samples themselves say is wrong with them.
-std::string wrong_imu(const std::vector<ImuSample>& samples) {
-  if (samples.empty()) return "no IMU samples";
-  Vec3 force = Vec3::Zero();
-  double rate2 = 0;
-  for (const ImuSample& sample : samples) {
-    force += sample.f_B / double(samples.size());
-    rate2 += sample.w_B.squaredNorm() / double(samples.size());
-  }
-  // Long recordings turn over: then single samples say as much.
-  double size = 0;
-  for (const ImuSample& sample : samples) size += sample.f_B.norm() / double(samples.size());
-  if (size > 0.8 && size < 1.3) {
-    return text("the accelerometer's mean is %.2f: in g? It has to be in m/s^2", size);
-  }
-  if (size < 0.5 * kGravity_min && force.norm() < 1) {
-    return text("the accelerometer shows no gravity (mean %.2f m/s^2): it must not be taken off",
-                force.norm());
-  }
-  if (size < kGravity_min || size > 2 * kGravity_max) {
-    return text("the accelerometer's mean is %.2f m/s^2, not about 9.8: unit or scale?", size);
-  }
-  if (std::sqrt(rate2) > kRate_max) {
-    return text("the gyro turns by %.0f rad/s: in degrees? It has to be in rad/s",
-                std::sqrt(rate2));
-  }
-  return "";
+std::string wrong_imu(const Recording& recording) {
+  const ImuFault fault = find_imu_fault(recording.imu);
+  return fault.what.empty() ? "" : fault.what + ": " + fault.what_to_do;
 }
 
 std::string why_no_start(const Recording& recording, const RunLog& log) {
-  const std::string imu = wrong_imu(recording.imu);
+  const std::string imu = wrong_imu(recording);
   if (!imu.empty()) return imu;
   constexpr int kTracks_min = 20;
   int most[2] = {0, 0};
@@ -62,9 +30,8 @@ std::string why_no_start(const Recording& recording, const RunLog& log) {
   }
   for (const Count& count : log.counters) {
     if (count.name == "start_failures" && count.value > log.frames.size() / 2 && cameras == 2) {
-      return "the cameras see too little in common, or it does not fit the IMU: T_BS, stamps, a "
-             "lens "
-             "cap?";
+      return "the cameras see too little in common, or it does not fit the IMU: T_BS, stamps, "
+             "a lens cap?";
     }
   }
   return cameras == 1 ? "too little motion for one camera, or the IMU's axes do not fit it"
@@ -91,13 +58,13 @@ std::string verdict(const Recording& recording, const RunLog& log) {
   // Once may be a fault that has passed; again and again is what the calibration or the units say.
   for (const Count& count : log.counters) {
     if (count.name != "losses_hopeless" || count.value < 2) continue;
-    const std::string imu = wrong_imu(recording.imu);
+    const std::string imu = wrong_imu(recording);
     return "tracking was given up as hopeless " + std::to_string(count.value) + " times: " +
            (imu.empty() ? "do gyro and images turn against each other? Axes, T_BS, stamps" : imu);
   }
   const FrameReport& last = log.frames.back();
   if (!last.has_pose || last.pose.health == HealthState::kLost) {
-    const std::string imu = wrong_imu(recording.imu);
+    const std::string imu = wrong_imu(recording);
     return "tracking was lost at the end" + (imu.empty() ? "" : ": " + imu);
   }
   // Others pass by themselves.

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <iterator>
 
 #include "core/math/geodesy.h"
@@ -11,6 +9,7 @@
 #include "core/math/trig.h"
 #include "tools/dataset/input_error.h"
 #include "tools/sim/random.h"
+#include "tools/sim/sensor_folder.h"
 
 namespace pirvs::tools {
 namespace {
@@ -52,12 +51,38 @@ bool within(double t_s, double from_s, double for_s) {
   return t_s >= from_s && t_s < from_s + for_s;
 }
 
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw InputError("cannot write", path, "check space and permissions");
-}
+// Off a wall: along the middle of the sector and up, by nothing at its edges.
+class Sector {
+ public:
+  Sector(const GnssOptions& options, const Trajectory& truth, const Mat3& R_EW)
+      : error_m_(options.multipath_m) {
+    if (options.multipath_sector.empty()) return;
+    if (options.multipath_sector.size() != 2) {
+      throw InputError("a sector is two angles", "--gnss-multipath-sector", "give from and to");
+    }
+    const double from = options.multipath_sector[0] * kDegree;
+    double width = std::fmod(options.multipath_sector[1] * kDegree - from, 2 * kPi);
+    if (width <= 0) width += 2 * kPi;
+    half_ = width / 2;
+    middle_ = from + half_;
+    for (const TrajectoryPose& pose : truth.poses) centre_ += R_EW * pose.p_WB;
+    centre_ /= double(truth.poses.size());
+  }
+  Vec3 error(const Vec3& p_E) const {
+    const Vec3 way = p_E - centre_;
+    const double off = std::remainder(std::atan2(way.y(), way.x()) - middle_, 2 * kPi);
+    if (half_ <= 0 || std::abs(off) >= half_) return Vec3::Zero();
+    const double share = (1 + std::cos(kPi * off / half_)) / 2;
+    return share * error_m_ *
+           Vec3(kLevel * std::cos(middle_), kLevel * std::sin(middle_),
+                std::sqrt(1 - kLevel * kLevel));
+  }
+
+ private:
+  static constexpr double kLevel = 0.9;
+  double error_m_, half_ = 0, middle_ = 0;
+  Vec3 centre_ = Vec3::Zero();
+};
 
 std::string sensor_yaml(const GnssOptions& o) {
   char text[640];
@@ -94,6 +119,7 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
   const double way = random.uniform(0, 2 * kPi);
   const Vec3 multipath =
       options.multipath_m * Vec3(0.9 * std::cos(way), 0.9 * std::sin(way), std::sqrt(0.19));
+  const Sector sector(options, truth, R_EW);
   std::string rows =
       "#timestamp [ns],latitude [deg],longitude [deg],height [m],v_north [m/s],v_east [m/s],"
       "v_down [m/s],sigma_horizontal [m],sigma_vertical [m],sigma_velocity [m/s],fix\n";
@@ -111,6 +137,7 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
     const Antenna antenna = antenna_at(truth, p_BA, t_s);
     Vec3 p_E = R_EW * antenna.p_W + e;
     if (within(t_s, options.multipath_from_s, options.multipath_for_s)) p_E += multipath;
+    p_E += sector.error(R_EW * antenna.p_W);
     const Vec3 v_E = R_EW * antenna.v_W + e_v;
     const Geodetic place = frame.to_global(p_E);
     char text[256];
@@ -128,10 +155,7 @@ void write_gnss(const GnssOptions& options, const Trajectory& truth, uint64_t se
     rows += options.velocity ? text : ",";
     rows += std::string(",") + kind->fix + "\n";
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  write_text(folder + "/data.csv", rows);
-  write_text(folder + "/sensor.yaml", sensor_yaml(options));
+  write_sensor_folder(folder, rows, sensor_yaml(options));
 }
 
 }  // namespace pirvs::tools

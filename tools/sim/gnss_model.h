@@ -28,6 +28,9 @@ struct GnssOptions {
   double latency_s = 0;
   double outage_from_s = 0, outage_for_s = 0;
   double multipath_m = 0, multipath_from_s = 0, multipath_for_s = 0;
+  // Beside that time: from, to [deg], counter-clockwise from east, as seen from the middle of the
+  // path. There a wall throws signals back: the same error each time the antenna is at a place.
+  std::vector<double> multipath_sector;
   double latitude_deg = 47.3977, longitude_deg = 8.5456, height_m = 488;  // of the truth's origin
   double heading_deg = 30;
 };

@@ -111,6 +111,11 @@ void declare_gnss(CLI::App& app, SimOptions& options) {
   app.add_option("--gnss-multipath", o.multipath_m, "error by multipath, m");
   app.add_option("--gnss-multipath-from", o.multipath_from_s, "start of the multipath, s");
   app.add_option("--gnss-multipath-for", o.multipath_for_s, "length of the multipath, s");
+  app.add_option(
+         "--gnss-multipath-sector", o.multipath_sector,
+         "FROM TO, deg from east counter-clockwise: likewise wherever the antenna is in that "
+         "sector, seen from the middle of the path")
+      ->expected(2);
   app.add_option("--gnss-of", options.gnss_of,
                  "SEQ, write no recording, only the fixes along the ground truth of that one: "
                  "pirvs run SEQ --gnss OUT/data.csv");

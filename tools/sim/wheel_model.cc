@@ -3,13 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
-#include <fstream>
 
 #include "core/math/so3.h"
 #include "core/math/trig.h"
 #include "tools/dataset/input_error.h"
 #include "tools/sim/random.h"
+#include "tools/sim/sensor_folder.h"
 
 namespace pirvs::tools {
 namespace {
@@ -38,13 +37,6 @@ Going going_at(const Trajectory& truth, const SE3& T_BV, double t_s) {
   const Vec3 turn_V = so3_log(a.R.transpose() * b.R) / dt_s;
   const Mat3 R = a.R * so3_exp(0.5 * dt_s * turn_V);
   return {(R.transpose() * (b.p - a.p)).x() / dt_s, turn_V.z()};
-}
-
-void write_text(const std::string& path, const std::string& text) {
-  std::ofstream file(path, std::ios::binary);
-  file << text;
-  file.close();
-  if (!file) throw InputError("cannot write", path, "check space and permissions");
 }
 
 std::string sensor_yaml(const WheelOptions& o, const SE3& T_BV) {
@@ -121,10 +113,7 @@ void write_wheels(const WheelOptions& o, const Trajectory& truth, const SE3& T_B
                   value[1]);
     rows += text;
   }
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  write_text(folder + "/data.csv", rows);
-  write_text(folder + "/sensor.yaml", sensor_yaml(o, T_BV));
+  write_sensor_folder(folder, rows, sensor_yaml(o, T_BV));
 }
 
 }  // namespace pirvs::tools

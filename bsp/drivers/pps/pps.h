@@ -2,7 +2,8 @@
 // seconds begin.
 // In      add(): our time of each pulse, in order.
 // Out     rate_ppb(): by how much our clock is fast; second_t(): when its last second began, by a
-//         line through the last kKept pulses; noise_ns(): their rms about that line.
+//         line through the last kKept pulses; noise_ns(): their rms about that line; sigma_ns():
+//         how well second_t() is known by that.
 // Units   ns, parts in 10^9.
 // Errors  add: false: not a whole number of seconds after the last one, within kRate_ppb_max and
 //         kJitter_ns: it is left out and counted, and after kOdd_max of them in a row all begins
@@ -45,6 +46,8 @@ class Pps {
   double rate_ppb() const { return rate_ppb_; }
   TimeNs second_t() const { return second_t_; }
   double noise_ns() const { return noise_ns_; }
+  // At the end of a line through n points: 2 / sqrt(n) of theirs.
+  double sigma_ns() const { return count_ > 0 ? 2 * noise_ns_ / std::sqrt(count_) : 0; }
   uint32_t pulses() const { return pulses_; }
   uint32_t odd() const { return odd_; }
 

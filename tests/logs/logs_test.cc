@@ -1,0 +1,107 @@
+// The clip as a log, written by programs that share no code with ours, gives the clip's trajectory.
+// In      PIRVS_BUILD (default build): logs/node_modules, which make fetches. python3-rosbag.
+// Out     a reason where the clip is not there.
+// Cost    ~3 s a log.
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include "modules/calibration/calibration_text.h"
+#include "tests/recordings.h"
+#include "tests/replay.h"
+#include "tools/dataset/input_error.h"
+
+namespace pirvs::systems {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* kDuration_s = "5";
+
+struct Kind {
+  const char* name;
+  std::string write;  // ASL folder and duration go in front, the file behind
+  bool folder = false;
+};
+
+std::string mcap(const char* compression) {
+  const char* const build = std::getenv("PIRVS_BUILD");
+  return "NODE_PATH=" + std::string(build != nullptr ? build : "build") +
+         "/logs/node_modules node tests/logs/write_mcap.cjs CLIP " + compression;
+}
+
+const Kind kKinds[] = {
+    {"bag", "/usr/bin/python3 -B tests/logs/write_bag.py CLIP none"},
+    {"bag_lz4", "/usr/bin/python3 -B tests/logs/write_bag.py CLIP lz4"},
+    {"bag_bz2", "/usr/bin/python3 -B tests/logs/write_bag.py CLIP bz2"},
+    {"db3", "python3 -B tests/logs/write_db3.py CLIP"},
+    {"mcap", mcap("none")},
+    {"mcap_zstd", mcap("zstd")},
+    {"rosbag2_mcap", mcap("zstd"), true},
+};
+
+// The clip's calibration, which reads back to the bit.
+std::string calibration_file(const std::string& folder) {
+  Text<kCalibrationTextMax> text;
+  write_calibration(clip()->calibration, text);
+  const std::string path = folder + "/clip.cfg";
+  std::ofstream(path) << text.c_str();
+  return path;
+}
+
+std::string write(const Kind& kind, const std::string& folder) {
+  const std::string path = folder + "/" + kind.name;
+  if (kind.folder) fs::create_directories(path);
+  std::string command = kind.write;
+  command.replace(command.find("CLIP"), 4, clip()->folder + " " + kDuration_s);
+  EXPECT_EQ(std::system((command + " " + path).c_str()), 0) << command;
+  return path;
+}
+
+// What the writers write of it.
+tools::Recording first_part() {
+  tools::Recording part = *clip();
+  const TimeNs end = part.frames.front().t + from_seconds(std::atof(kDuration_s));
+  while (part.frames.back().t > end) part.frames.pop_back();
+  while (part.imu.back().t > end) part.imu.pop_back();
+  return part;
+}
+
+class logs : public testing::TestWithParam<size_t> {};
+
+TEST_P(logs, give_the_trajectory_of_the_folder) {
+  if (clip() == nullptr) GTEST_SKIP() << "no clip";
+  static const std::string wanted = replay(first_part()).trajectory();
+  const Kind& kind = kKinds[GetParam()];
+  const std::string folder = scratch_folder(kind.name);
+  const std::string path = write(kind, folder);
+  tools::RecordingOptions options;
+  options.calibration = calibration_file(folder);
+  const tools::Recording recording = tools::open_recording(path, options);
+  EXPECT_GT(recording.truth.poses.size(), 100u);
+  EXPECT_TRUE(recording.rejected.empty());
+  const Replay run = replay(recording);
+  print(kind.name, run);
+  EXPECT_EQ(run.trajectory(), wanted);
+  if (kind.folder) return;
+  // Cut off in the middle it is read up to there, and that is said.
+  if (fs::is_regular_file(path)) {
+    fs::resize_file(path, fs::file_size(path) * 2 / 3);
+    const tools::Recording part = tools::open_recording(path, options);
+    EXPECT_LT(part.frames.size(), recording.frames.size());
+    EXPECT_GT(part.frames.size(), recording.frames.size() / 3);
+    bool said = false;
+    for (const std::string& note : part.notes) said |= note.find("cut off") != std::string::npos;
+    EXPECT_TRUE(said);
+  }
+  options.calibration.clear();
+  EXPECT_THROW(tools::open_recording(path, options), tools::InputError);
+}
+
+INSTANTIATE_TEST_SUITE_P(all, logs, testing::Range(size_t{0}, std::size(kKinds)),
+                         [](const auto& info) { return kKinds[info.param].name; });
+
+}  // namespace
+}  // namespace pirvs::systems

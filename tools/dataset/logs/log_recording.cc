@@ -1,0 +1,299 @@
+#include "tools/dataset/logs/log_recording.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "tools/dataset/calibration/rig_file.h"
+#include "tools/dataset/image_store.h"
+#include "tools/dataset/input_error.h"
+#include "tools/dataset/logs/ros_message.h"
+#include "tools/dataset/pairs.h"
+
+namespace pirvs::tools {
+namespace {
+
+constexpr const char* kImage = "sensor_msgs/Image";
+constexpr const char* kCompressed = "sensor_msgs/CompressedImage";
+constexpr const char* kImu = "sensor_msgs/Imu";
+
+// A message by "topic chunk at size".
+std::string key_of(size_t topic, const LogPlace& place) {
+  return std::to_string(topic) + " " + std::to_string(place.chunk) + " " +
+         std::to_string(place.at) + " " + std::to_string(place.size);
+}
+
+bool read_key(const std::string& key, size_t& topic, LogPlace& place) {
+  uint64_t numbers[4] = {};
+  const char* at = key.data();
+  const char* const end = at + key.size();
+  for (uint64_t& number : numbers) {
+    while (at < end && *at == ' ') ++at;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return false;
+    at = next;
+  }
+  topic = size_t(numbers[0]);
+  place = {numbers[1], numbers[2], numbers[3]};
+  return true;
+}
+
+class LogImages : public ImageStore {
+ public:
+  explicit LogImages(std::unique_ptr<LogFile> log) : log_(std::move(log)) {}
+  ImageRead read(const std::string& key, cv::Mat& grey) override {
+    size_t topic = 0;
+    LogPlace place;
+    if (!read_key(key, topic, place) || topic >= log_->topics().size()) return ImageRead::kMissing;
+    const Bytes bytes = log_->load(place);
+    if (bytes.size == 0) return ImageRead::kMissing;
+    const LogTopic& of = log_->topics()[topic];
+    const bool good = of.type == kImage ? decode_image(bytes, of.cdr, grey)
+                                        : decode_compressed_image(bytes, of.cdr, grey);
+    return good ? ImageRead::kGood : ImageRead::kUndecodable;
+  }
+
+ private:
+  std::unique_ptr<LogFile> log_;
+};
+
+struct Found {
+  LogTopic topic;
+  size_t messages = 0, bad = 0;
+  std::vector<ListedImage> images;
+  std::vector<ImuSample> samples;
+  std::vector<TrajectoryPose> poses;
+};
+
+// All that is small; images by their places.
+std::vector<Found> scan(LogFile& log) {
+  std::vector<Found> out;
+  log.scan([&](const LogMessage& message) {
+    while (out.size() <= message.topic) {
+      out.emplace_back();
+      out.back().topic = log.topics()[out.size() - 1];
+    }
+    Found& found = out[message.topic];
+    ++found.messages;
+    const LogTopic& topic = found.topic;
+    RosHeader header;
+    ImuSample sample;
+    TrajectoryPose pose;
+    bool good = true;
+    if (topic.type == kImage || topic.type == kCompressed) {
+      good = decode_header(message.bytes, topic.cdr, header);
+      if (good) found.images.push_back({header.t, key_of(message.topic, message.place)});
+    } else if (topic.type == kImu) {
+      good = decode_imu(message.bytes, topic.cdr, sample) && sample.w_B.allFinite() &&
+             sample.f_B.allFinite();
+      if (good) found.samples.push_back(sample);
+    } else if (is_pose(topic.type)) {
+      good = decode_pose(topic.type, message.bytes, topic.cdr, pose);
+      if (good) found.poses.push_back(pose);
+    }
+    found.bad += !good;
+  });
+  return out;
+}
+
+std::string list_of(const std::vector<Found>& all) {
+  std::string out;
+  for (const Found& found : all) {
+    out += (out.empty() ? "" : ", ") + found.topic.name + " (" + found.topic.type + ", " +
+           std::to_string(found.messages) + ")";
+  }
+  return out.empty() ? "none" : out;
+}
+
+bool asked(const RecordingOptions& options, const Found& found) {
+  return std::find(options.topics.begin(), options.topics.end(), found.topic.name) !=
+         options.topics.end();
+}
+
+// Topics of one kind: those asked for in their order, else all in the order of their names.
+template <class Has>
+std::vector<Found*> of_kind(std::vector<Found>& all, const RecordingOptions& options, Has&& has) {
+  std::vector<Found*> named, rest;
+  for (const std::string& topic : options.topics) {
+    for (Found& found : all) {
+      if (found.topic.name == topic && has(found)) named.push_back(&found);
+    }
+  }
+  if (!named.empty()) return named;
+  for (Found& found : all) {
+    if (has(found)) rest.push_back(&found);
+  }
+  std::sort(rest.begin(), rest.end(),
+            [](const Found* a, const Found* b) { return a->topic.name < b->topic.name; });
+  return rest;
+}
+
+// The two cameras of a log that has more: the first, and the next of about its rate. Depth and
+// colour are passed over where there are others.
+std::vector<Found*> cameras_of(std::vector<Found>& all, const std::vector<std::string>& by_rig,
+                               const RecordingOptions& options) {
+  std::vector<Found*> out;
+  const auto has_images = [](const Found& found) { return !found.images.empty(); };
+  for (const std::string& topic : by_rig) {
+    for (Found& found : all) {
+      const std::string& name = found.topic.name;
+      const bool same = name == topic || name == topic + "/compressed";
+      if (options.topics.empty() && !topic.empty() && same && has_images(found) &&
+          (out.empty() || out.back() != &found)) {
+        out.push_back(&found);
+        break;
+      }
+    }
+  }
+  if (out.size() == by_rig.size() && !out.empty()) return out;
+  out = of_kind(all, options, has_images);
+  if (!options.topics.empty() && !out.empty() && asked(options, *out[0])) return out;
+  const auto other = [](const Found* found) {
+    const std::string& name = found->topic.name;
+    return name.find("depth") != std::string::npos || name.find("color") != std::string::npos ||
+           name.find("rgb") != std::string::npos;
+  };
+  std::vector<Found*> grey;
+  std::copy_if(out.begin(), out.end(), std::back_inserter(grey),
+               [&](const Found* found) { return !other(found); });
+  if (!grey.empty()) out = grey;
+  const auto like_first = [&](const Found* found) {
+    const size_t a = found->images.size(), b = out[0]->images.size();
+    return 3 * a >= b && 3 * b >= a;
+  };
+  std::vector<Found*> alike;
+  std::copy_if(out.begin(), out.end(), std::back_inserter(alike), like_first);
+  return alike;
+}
+
+bool is_still(const std::vector<ImuSample>& samples, Vec3 ImuSample::*vector) {
+  return std::all_of(samples.begin(), samples.end(),
+                     [&](const ImuSample& s) { return (s.*vector).isZero(0); });
+}
+
+// The gyro's samples with the force of the other table at their times.
+std::vector<ImuSample> joined(const std::vector<ImuSample>& gyro,
+                              const std::vector<ImuSample>& accel) {
+  std::vector<ImuSample> out;
+  size_t j = 1;
+  for (const ImuSample& sample : gyro) {
+    while (j < accel.size() && accel[j].t < sample.t) ++j;
+    if (j >= accel.size()) break;
+    if (accel[j - 1].t > sample.t) continue;
+    const double share = double(sample.t - accel[j - 1].t) / double(accel[j].t - accel[j - 1].t);
+    ImuSample both = sample;
+    both.f_B = accel[j - 1].f_B + share * (accel[j].f_B - accel[j - 1].f_B);
+    out.push_back(both);
+  }
+  return out;
+}
+
+void read_imu(std::vector<Found>& all, const RecordingOptions& options, const std::string& path,
+              Recording& recording) {
+  auto topics = of_kind(all, options, [](const Found& found) { return !found.samples.empty(); });
+  Found *whole = nullptr, *gyro = nullptr, *accel = nullptr;
+  for (Found* found : topics) {
+    put_in_order(found->samples, "imu_rows", recording);
+    const bool no_w = is_still(found->samples, &ImuSample::w_B);
+    const bool no_f = is_still(found->samples, &ImuSample::f_B);
+    Found*& kind = no_w ? accel : no_f ? gyro : whole;
+    if (kind == nullptr || kind->samples.size() < found->samples.size()) kind = found;
+  }
+  if (whole != nullptr) {
+    recording.imu = whole->samples;
+    recording.note("IMU: " + whole->topic.name);
+  } else if (gyro != nullptr && accel != nullptr && accel->samples.size() > 1) {
+    recording.imu = joined(gyro->samples, accel->samples);
+    recording.note("IMU: " + gyro->topic.name + ", with the force of " + accel->topic.name);
+  }
+  if (recording.imu.empty()) {
+    throw InputError(
+        "no IMU: no messages of " + std::string(kImu) + "; the log has " + list_of(all), path,
+        "record the IMU's topic, too");
+  }
+}
+
+void read_truth(std::vector<Found>& all, const RecordingOptions& options, Recording& recording) {
+  const auto topics =
+      of_kind(all, options, [](const Found& found) { return !found.poses.empty(); });
+  if (topics.empty()) return;
+  // The one of the highest rate: it is a motion capture's, and odometry is slower.
+  Found* best = topics[0];
+  for (Found* found : topics) {
+    if (found->poses.size() > best->poses.size()) best = found;
+  }
+  auto& poses = best->poses;
+  std::stable_sort(poses.begin(), poses.end(),
+                   [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t < b.t; });
+  poses.erase(
+      std::unique(poses.begin(), poses.end(),
+                  [](const TrajectoryPose& a, const TrajectoryPose& b) { return a.t == b.t; }),
+      poses.end());
+  recording.truth.poses = poses;
+  recording.note("truth: " + best->topic.name);
+}
+
+void read_frames(const std::vector<Found*>& cameras, const Rig& rig, Recording& recording) {
+  constexpr TimeNs kWorthAWord = 20'000'000;
+  std::vector<ListedImage> images[2];
+  for (int c = 0; c < rig.calibration.cameras; ++c) {
+    Found& found = *cameras[size_t(rig.camera[c])];
+    images[c] = found.images;
+    put_in_order(images[c], "image_rows", recording);
+    note_gaps(images[c], found.topic.name, kWorthAWord, recording);
+    recording.note((c == 0 ? "left camera: " : "right camera: ") + found.topic.name);
+  }
+  const TimeNs right_later = rig.shift_ns[0] - rig.shift_ns[1];
+  for (const PairedImages& pair : pair_images(images[0], images[1], right_later, recording)) {
+    FrameFiles frame;
+    frame.t = pair.t;
+    for (int c = 0; c < 2; ++c) frame.image[c] = pair.file[c];
+    recording.frames.push_back(frame);
+  }
+}
+
+}  // namespace
+
+void read_log(std::unique_ptr<LogFile> log, const std::string& path,
+              const RecordingOptions& options, Recording& recording) {
+  if (options.calibration.empty()) {
+    throw InputError("a log has no calibration of cameras and IMU together", path,
+                     "give one with --calib (docs/formats.md)");
+  }
+  recording.kind = log->kind();
+  auto all = scan(*log);
+  if (log->cut_off()) recording.note("the log is cut off: read up to there");
+  RigOptions how;
+  how.imu = options.imu;
+  how.cameras = options.cameras;
+  how.mono = options.mono;
+  const auto cameras = cameras_of(all, rig_topics(options.calibration), options);
+  if (cameras.empty()) {
+    throw InputError("no images: no messages of " + std::string(kImage) + " or " + kCompressed +
+                         "; the log has " + list_of(all),
+                     path, "record the cameras' topics, too");
+  }
+  if (cameras.size() < 2) how.mono = true;
+  const Rig rig = read_rig(options.calibration, how, recording);
+  for (int c = 0; c < rig.calibration.cameras; ++c) {
+    if (size_t(rig.camera[c]) < cameras.size()) continue;
+    throw InputError(
+        "no topic for cam" + std::to_string(rig.camera[c]) + "; the log has " + list_of(all), path,
+        "name the cameras' topics with --topics, in the calibration's order");
+  }
+  recording.calibration = rig.calibration;
+  for (int c = 0; c < 2; ++c) recording.turns[c] = rig.turns[c];
+  read_imu(all, options, path, recording);
+  if (!rig.has_rate && recording.imu.size() > 1) {
+    const TimeNs step = std::max<TimeNs>(1, interval(recording.imu));
+    recording.calibration.imu.rate_hz = 1e9 / double(step);
+  }
+  check_sense(recording.calibration, options.calibration);
+  constexpr TimeNs kWorthAWord = 10'000'000;
+  note_gaps(recording.imu, "imu", kWorthAWord, recording);
+  read_frames(cameras, rig, recording);
+  read_truth(all, options, recording);
+  for (const Found& found : all) recording.count("log_messages_bad", found.bad);
+  recording.store = std::make_shared<LogImages>(std::move(log));
+}
+
+}  // namespace pirvs::tools
