@@ -6,11 +6,12 @@
 #include <cmath>
 
 #include "core/math/so3.h"
+#include "tools/calib/tag_image.h"
 
 namespace pirvs::tools {
 namespace {
 
-constexpr size_t kCornersMin = 8;
+constexpr size_t kTagsMin = 6;
 constexpr int kStepsMax = 15;
 constexpr double kHuber_px = 2;  // at the start lenses are wrong by more than noise
 
@@ -22,19 +23,19 @@ bool start_pose(const Camera& camera, const Target& target, const View& view, SE
   Mat99 A = Mat99::Zero();
   size_t used = 0;
   Vec3 sum = Vec3::Zero();
-  for (const Corner& corner : view.corners) {
+  for (const SeenTag& tag : view.tags) {
     Vec3 ray;
-    if (!camera.unproject(corner.uv, ray)) continue;
-    const Vec3 q = (target.p_T(corner.id) - middle) / size + Vec3(0, 0, 1);
+    if (!camera.unproject(tag.uv, ray)) continue;
+    const Vec3 q = (target.tag_T(tag.id) - middle) / size + Vec3(0, 0, 1);
     Eigen::Matrix<double, 3, 9> rows;  // ray x (H q) = 0
     rows << q.x() * skew(ray), q.y() * skew(ray), skew(ray);
     A += rows.transpose() * rows;
     sum += ray;
     ++used;
   }
-  if (used < kCornersMin) return false;
+  if (used < kTagsMin) return false;
   const Eigen::SelfAdjointEigenSolver<Mat99> eigen(A);
-  constexpr double kDegenerate = 1e-9;  // corners on a line leave more than one solution
+  constexpr double kDegenerate = 1e-9;  // tags on a line leave more than one solution
   if (!(eigen.eigenvalues()[1] > kDegenerate)) return false;
   Mat3 H = Eigen::Map<const Mat3>(eigen.eigenvectors().col(0).data());
   if (H.col(2).dot(sum) < 0) H = -H;
@@ -49,35 +50,26 @@ bool start_pose(const Camera& camera, const Target& target, const View& view, SE
   return true;
 }
 
-using Vec7 = Eigen::Matrix<double, 7, 1>;
-using Mat7 = Eigen::Matrix<double, 7, 7>;
-
 struct Normal {
-  Mat7 A = Mat7::Zero();
-  Vec7 b = Vec7::Zero();
+  Mat6 A = Mat6::Zero();
+  Vec6 b = Vec6::Zero();
   double cost = 0;     // Huber
   double squares = 0;  // px^2
   size_t used = 0;
 };
 
-// By theta of R Exp(theta), p and inset. Corners that the lens cannot see at this pose are left
-// out.
+// By theta of R Exp(theta) and p. Tags that the lens cannot see at this pose are left out.
 Normal linearize(const Camera& camera, const Target& target, const View& view,
                  const BoardPose& pose) {
   Normal out;
-  for (const Corner& corner : view.corners) {
-    const Vec3 outward = target.outward_T(corner.id);
-    const Vec3 p_T = target.p_T(corner.id) - pose.inset_m * outward;
-    Vec2 uv;
-    Mat23 J;
-    if (!camera.project(pose.T_CT * p_T, uv, J)) continue;
-    const Vec2 r = corner.uv - uv;
+  for (const SeenTag& tag : view.tags) {
+    TagImage image;
+    if (!project_tag(camera, target, pose.T_CT, tag.id, image)) continue;
+    const Vec2 r = tag.uv - image.uv;
     const double e = r.norm();
     const double weight = e > kHuber_px ? kHuber_px / e : 1;
-    Eigen::Matrix<double, 2, 7> J_pose;
-    J_pose << -J * pose.T_CT.R * skew(p_T), J, -J * pose.T_CT.R * outward;
-    out.A += weight * J_pose.transpose() * J_pose;
-    out.b += weight * J_pose.transpose() * r;
+    out.A += weight * image.by_pose.transpose() * image.by_pose;
+    out.b += weight * image.by_pose.transpose() * r;
     out.cost += e > kHuber_px ? 2 * kHuber_px * e - kHuber_px * kHuber_px : e * e;
     out.squares += e * e;
     ++out.used;
@@ -90,15 +82,14 @@ Normal linearize(const Camera& camera, const Target& target, const View& view,
 bool refine_pose(const Camera& camera, const Target& target, const View& view, BoardPose& pose) {
   Normal at = linearize(camera, target, view, pose);
   double damping = 1e-4;
-  for (int i = 0; i < kStepsMax && at.used >= kCornersMin; ++i) {
-    Mat7 A = at.A;
+  for (int i = 0; i < kStepsMax && at.used >= kTagsMin; ++i) {
+    Mat6 A = at.A;
     A.diagonal() *= 1 + damping;
-    const Vec7 step = A.ldlt().solve(at.b);
+    const Vec6 step = A.ldlt().solve(at.b);
     if (!step.allFinite()) return false;
     BoardPose moved = pose;
     moved.T_CT.R = pose.T_CT.R * so3_exp(step.head<3>());
-    moved.T_CT.p += step.segment<3>(3);
-    moved.inset_m += step[6];
+    moved.T_CT.p += step.tail<3>();
     const Normal next = linearize(camera, target, view, moved);
     if (next.used >= at.used && next.cost <= at.cost) {
       const bool done = at.cost - next.cost < 1e-9 * at.cost;
@@ -112,11 +103,11 @@ bool refine_pose(const Camera& camera, const Target& target, const View& view, B
     }
   }
   pose.rms_px = at.used > 0 ? std::sqrt(at.squares / double(2 * at.used)) : 0;
-  return at.used >= kCornersMin && pose.T_CT.p.allFinite();
+  return at.used >= kTagsMin && pose.T_CT.p.allFinite();
 }
 
 bool find_pose(const Camera& camera, const Target& target, const View& view, BoardPose& out) {
-  return view.corners.size() >= kCornersMin && start_pose(camera, target, view, out.T_CT) &&
+  return view.tags.size() >= kTagsMin && start_pose(camera, target, view, out.T_CT) &&
          refine_pose(camera, target, view, out);
 }
 

@@ -1,13 +1,14 @@
 // What    Bundle adjustment of one or two cameras over views of a board: intrinsics, the right
 //         camera against the left, the board's pose in each shot; the board's own shape, too: paper
-//         on wood is bent by a millimetre, which moves a principal point by pixels.
+//         on wood is bent and stretched by half a millimetre, which moves a principal point by
+//         pixels.
 // In      A rig close enough to converge; shots with the board's pose in C0.
-// Out     The same, adjusted; noise of a corner, residuals, the covariance of the rig's unknowns.
+// Out     The same, adjusted; noise of a tag, residuals, the covariance of the rig's unknowns.
 // Frames  T_C1C0: from the left to the right camera. Rotations are perturbed as R Exp(theta).
 // Units   px, m, rad. rig unknowns: 8 of camera 0 (lens.h); with two cameras 8 of camera 1, then
 //         theta and p of T_C1C0: 22 in all.
 // Errors  false: the solver failed or some unknown is not observed.
-// Cost    ~20 ms an iteration per 10,000 corners, two threads; about 10 iterations.
+// Cost    ~15 ms an iteration per 1,000 tags, two threads; about 10 iterations.
 // Source  Zhang, PAMI 2000; Strobl, Hirzinger, ICCV workshops 2011 (the board's shape); Cauchy
 //         weights at three sigma, sigma from the residuals themselves.
 #pragma once
@@ -31,18 +32,17 @@ struct CameraRig {
 struct PosedShot {
   Shot shot;
   SE3 T_C0T;
-  double inset_m[2] = {0, 0};  // of black edges, in each camera's image (target.h)
 };
 
 struct Adjustment {
-  double sigma_px = 0;        // of a corner, per axis: robust
+  double sigma_px = 0;        // of a tag (tag_image.h), per axis: robust
   double rms_px[2] = {0, 0};  // of all inliers
-  size_t corners[2] = {0, 0};
+  size_t tags[2] = {0, 0};
   size_t outliers = 0;
   Eigen::MatrixXd covariance;
 };
 
-// bent: tags may be off their places on the flat board, and target.shift_T says how far.
+// bent: tags may be off their places on a flat board, and target.shift_T says how far.
 bool adjust(Target& target, bool bent, CameraRig& rig, std::vector<PosedShot>& shots,
             Adjustment& out);
 

@@ -6,13 +6,14 @@
 #include "core/math/so3.h"
 #include "tools/calib/board_pose.h"
 #include "tools/calib/shot_choice.h"
+#include "tools/calib/tag_image.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
 namespace {
 
 constexpr size_t kViewsMin = 15;
-constexpr size_t kCornersMin = 16;   // of a view, to be worth a look
+constexpr size_t kTagsMin = 6;       // of a view, to be worth a look
 constexpr double kGoodPose_px = 30;  // with a lens that is a guess
 constexpr double kStart_px = 10;     // no lens at all explains the views
 
@@ -27,14 +28,14 @@ double quantile(std::vector<double> values, double q) {
 std::vector<Shot> alone(const std::vector<Shot>& shots, int camera) {
   std::vector<Shot> out;
   for (const Shot& shot : shots) {
-    if (shot.view[camera].corners.size() >= kCornersMin) {
+    if (shot.view[camera].tags.size() >= kTagsMin) {
       out.push_back({shot.t, {shot.view[camera], View{}}});
     }
   }
   return out;
 }
 
-// Of each of `parts` equal stretches of the recording the shot with most corners.
+// Of each of `parts` equal stretches of the recording the shot with most tags.
 std::vector<Shot> spread(const std::vector<Shot>& shots, size_t parts) {
   std::vector<Shot> out;
   for (size_t part = 0; part < std::min(parts, shots.size()); ++part) {
@@ -42,7 +43,7 @@ std::vector<Shot> spread(const std::vector<Shot>& shots, size_t parts) {
     const auto end = shots.begin() + long((part + 1) * shots.size() / parts);
     if (begin == end) continue;
     out.push_back(*std::max_element(begin, end, [](const Shot& a, const Shot& b) {
-      return a.view[0].corners.size() < b.view[0].corners.size();
+      return a.view[0].tags.size() < b.view[0].tags.size();
     }));
   }
   return out;
@@ -136,11 +137,10 @@ double error_px(const Camera& camera, const Target& target, const View& view,
   constexpr double kGross_px = 5;
   double squares = 0;
   size_t count = 0;
-  for (const Corner& corner : view.corners) {
-    Vec2 uv;
-    const Vec3 p_T = target.p_T(corner.id) - pose.inset_m * target.outward_T(corner.id);
-    if (!camera.project(pose.T_CT * p_T, uv)) continue;
-    const double e = (uv - corner.uv).norm();
+  for (const SeenTag& tag : view.tags) {
+    TagImage image;
+    if (!project_tag(camera, target, pose.T_CT, tag.id, image)) continue;
+    const double e = (image.uv - tag.uv).norm();
     if (e > kGross_px) continue;
     squares += e * e;
     ++count;
@@ -148,15 +148,14 @@ double error_px(const Camera& camera, const Target& target, const View& view,
   return count > 0 ? std::sqrt(squares / double(2 * count)) : HUGE_VAL;
 }
 
-// Blur moves corners as one: a blurred image would not be outvoted, it would pull all others along.
-// What stays is the sharper half, by how well one pose explains each image.
+// A blurred image is not outvoted by sharp ones: its tags are off as one. What stays is the sharper half, by how well one pose explains each image.
 std::vector<PosedShot> sharper_half(const Target& target, const CameraRig& rig,
                                     const std::vector<PosedShot>& shots) {
   std::vector<double> errors;
   for (const PosedShot& shot : shots) {
     double worst = 0;
     for (int c = 0; c < rig.cameras; ++c) {
-      BoardPose pose{c == 0 ? shot.T_C0T : rig.T_C1C0 * shot.T_C0T, shot.inset_m[c], 0};
+      BoardPose pose{c == 0 ? shot.T_C0T : rig.T_C1C0 * shot.T_C0T, 0};
       if (!refine_pose(rig.camera[c], target, shot.shot.view[c], pose)) continue;
       worst = std::max(worst, pose.rms_px);
     }
@@ -236,16 +235,13 @@ std::vector<PosedShot> pose_shots(const Target& target, const CameraRig& rig,
                                   const std::vector<Shot>& shots) {
   std::vector<PosedShot> out;
   for (const Shot& shot : shots) {
-    const bool second =
-        rig.cameras == 2 && shot.view[1].corners.size() > shot.view[0].corners.size();
+    const bool second = rig.cameras == 2 && shot.view[1].tags.size() > shot.view[0].tags.size();
     const int c = second ? 1 : 0;
-    if (shot.view[c].corners.size() < kCornersMin) continue;
+    if (shot.view[c].tags.size() < kTagsMin) continue;
     BoardPose pose;
     if (!find_pose(rig.camera[c], target, shot.view[c], pose)) continue;
     if (pose.rms_px > kGoodPose_px) continue;
-    PosedShot posed{shot, c == 0 ? pose.T_CT : rig.T_C1C0.inverse() * pose.T_CT};
-    posed.inset_m[0] = posed.inset_m[1] = pose.inset_m;
-    out.push_back(posed);
+    out.push_back({shot, c == 0 ? pose.T_CT : rig.T_C1C0.inverse() * pose.T_CT});
   }
   return out;
 }

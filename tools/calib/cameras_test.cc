@@ -6,7 +6,7 @@
 
 #include "core/math/so3.h"
 #include "modules/testing.h"
-#include "tools/calib/lens.h"
+#include "tools/calib/tag_image.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -37,12 +37,12 @@ std::vector<Shot> views_of(const Target& target, const CameraRig& rig, int count
     shot.t = 50'000'000 * n;
     for (int c = 0; c < rig.cameras; ++c) {
       shot.view[c].t = shot.t;
-      for (int id = 0; id < target.corners(); ++id) {
-        Vec2 uv;
-        const Vec3 p_C0 = T_CT * target.p_T(id);
-        if (!rig.camera[c].project(c == 0 ? p_C0 : rig.T_C1C0 * p_C0, uv)) continue;
-        uv += random.pixel(kNoise_px);
-        if (rig.camera[c].in_image(uv, 2)) shot.view[c].corners.push_back({id, uv});
+      for (int tag = 0; tag < target.tags(); ++tag) {
+        TagImage image;
+        const SE3 T_C1T = rig.T_C1C0 * T_CT;
+        if (!project_tag(rig.camera[c], target, c == 0 ? T_CT : T_C1T, tag, image)) continue;
+        const Vec2 uv = image.uv + random.pixel(kNoise_px);
+        if (rig.camera[c].in_image(uv, 10)) shot.view[c].tags.push_back({tag, uv});
       }
     }
     out.push_back(shot);

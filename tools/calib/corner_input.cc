@@ -77,9 +77,9 @@ CornerInput read_corner_input(const CornerOptions& options) {
 
 void print_cameras(const CameraResult& result) {
   const Adjustment& a = result.adjustment;
-  std::printf("model %s, %zu shots of %zu, %zu corners, %zu outliers, corner noise %.3f px\n",
+  std::printf("model %s, %zu shots of %zu, %zu tags, %zu outliers, noise of a tag %.3f px\n",
               model_name(result.rig.camera[0].model), result.used.size(), result.all.size(),
-              a.corners[0] + a.corners[1], a.outliers, a.sigma_px);
+              a.tags[0] + a.tags[1], a.outliers, a.sigma_px);
   if (result.other_model_px > 0) {
     std::printf("the other model: %.3f px on shots left out\n", result.other_model_px);
   }

@@ -1,11 +1,11 @@
 // What    All that one image says, to first order: of where the board stands before the camera and
 //         of the lens.
-// In      The corners, a lens, a pose and an inset (target.h) near the truth; noise of a corner.
+// In      The tags, a lens and a pose near the truth; noise of a tag.
 // Out     residual = A (theta, dp, lens - lens0) + c, of sigma 1, with R_CT = R0 Exp(theta) and
-//         p_CT = p0 + dp: the corners' own sum of squares but for a constant. Huber weights.
-// Errors  false: fewer than 8 corners that the lens can see.
-// Cost    ~0.3 ms for 144 corners, instead of that many in each iteration of an adjustment.
-// Source  QR of the corners' Jacobian (Golub, Van Loan, section 5.2).
+//         p_CT = p0 + dp: the tags' own sum of squares but for a constant. Huber weights.
+// Errors  false: fewer than 6 tags that the lens can see.
+// Cost    ~50 us for 36 tags, instead of that many in each iteration of an adjustment.
+// Source  QR of the tags' Jacobian (Golub, Van Loan, section 5.2).
 #pragma once
 
 #include "tools/calib/lens.h"
@@ -23,6 +23,6 @@ struct FrameFactor {
 };
 
 bool make_frame_factor(const Camera& camera, const Target& target, const View& view,
-                       const SE3& T_CT, double inset_m, double sigma_px, FrameFactor& out);
+                       const SE3& T_CT, double sigma_px, FrameFactor& out);
 
 }  // namespace pirvs::tools

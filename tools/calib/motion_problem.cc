@@ -8,6 +8,7 @@
 
 #include "core/math/so3.h"
 #include "modules/imu/gravity.h"
+#include "tools/calib/tag_image.h"
 
 namespace pirvs::tools {
 namespace {
@@ -157,7 +158,7 @@ void MotionProblem::add_images(const Weights& weights) {
   for (size_t i = 0; i < shots_.size(); ++i) {
     for (int c = 0; c < rig_.cameras; ++c) {
       const View& view = shots_[i].shot.view[c];
-      if (view.corners.empty()) continue;
+      if (view.tags.empty()) continue;
       const double t_s = image_time_s(i, c);
       std::vector<double*> blocks;
       if (!knots_at(t_s, blocks)) continue;
@@ -166,9 +167,7 @@ void MotionProblem::add_images(const Weights& weights) {
       const SE3 own = c == 0 ? shots_[i].T_C0T : rig_.T_C1C0 * shots_[i].T_C0T;
       FrameFactor factor;
       const SE3 at = solved_ ? board_in(c, t_s) : own;
-      if (!make_frame_factor(camera, target_, view, at, shots_[i].inset_m[c], weights.sigma_px,
-                             factor))
-        continue;
+      if (!make_frame_factor(camera, target_, view, at, weights.sigma_px, factor)) continue;
       blocks.insert(blocks.end(), {x_.R_BC[c].q, x_.p_BC[c].data(), x_.time[c], x_.lens[c].data()});
       const double camera_s = to_seconds(view.t - epoch_);
       problem_->AddResidualBlock(new FrameCost(factor, camera_s, camera_s - middle_s_,
@@ -277,19 +276,17 @@ MotionProblem::Residuals MotionProblem::residuals() const {
     set_lens(x_.lens[c].data(), camera);
     std::vector<double> errors;
     for (size_t i = 0; i < shots_.size(); ++i) {
-      if (shots_[i].shot.view[c].corners.empty()) continue;
+      if (shots_[i].shot.view[c].tags.empty()) continue;
       const SE3 T_CT = board_in(c, image_time_s(i, c));
-      for (const Corner& corner : shots_[i].shot.view[c].corners) {
-        Vec2 uv;
-        const Vec3 p_T =
-            target_.p_T(corner.id) - shots_[i].inset_m[c] * target_.outward_T(corner.id);
-        if (!camera.project(T_CT * p_T, uv)) continue;
-        errors.push_back((uv - corner.uv).squaredNorm() / 2);
+      for (const SeenTag& tag : shots_[i].shot.view[c].tags) {
+        TagImage image;
+        if (!project_tag(camera, target_, T_CT, tag.id, image)) continue;
+        errors.push_back((image.uv - tag.uv).squaredNorm() / 2);
       }
     }
     if (errors.empty()) continue;
     std::sort(errors.begin(), errors.end());
-    const size_t inliers = errors.size() - errors.size() / 100;  // a corner in a hundred is wrong
+    const size_t inliers = errors.size() - errors.size() / 100;  // a tag in a hundred is wrong
     double sum = 0;
     for (size_t i = 0; i < inliers; ++i) sum += errors[i];
     out.px[c] = std::sqrt(sum / double(inliers));

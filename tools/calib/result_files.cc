@@ -153,7 +153,7 @@ Json camera_json(const CameraResult& result) {
     Json camera = lens_json(result.rig.camera[c], sigma.data() + 8 * c);
     camera["reprojection_px"] = a.rms_px[c];
     camera["held_out_px"] = result.held_out.within_px[c];
-    camera["corners"] = a.corners[c];
+    camera["tags"] = a.tags[c];
     out["cam" + std::to_string(c)] = camera;
   }
   if (result.rig.cameras == 2) {
@@ -163,7 +163,7 @@ Json camera_json(const CameraResult& result) {
                      {"baseline_m", result.rig.T_C1C0.p.norm()},
                      {"across_held_out_px", result.held_out.across_px}};
   }
-  out["corner_sigma_px"] = a.sigma_px;
+  out["tag_sigma_px"] = a.sigma_px;
   out["outliers"] = a.outliers;
   out["shots"] = {{"used", result.used.size()}, {"seen", result.all.size()}};
   if (result.other_model_px > 0) out["other_model_held_out_px"] = result.other_model_px;

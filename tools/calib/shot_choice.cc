@@ -4,13 +4,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/math/so3.h"
-#include "tools/calib/lens.h"
+#include "tools/calib/tag_image.h"
 
 namespace pirvs::tools {
 namespace {
 
-constexpr double kSigma_px = 0.3;  // of a corner; sets the scale of a nat alone
+constexpr double kSigma_px = 0.1;  // of a tag; sets the scale of a nat alone
 constexpr double kOutlier_px = 3;
 
 using Eigen::MatrixXd;
@@ -26,40 +25,32 @@ MatrixXd prior_information(const CameraRig& rig) {
   return sigma.cwiseAbs2().cwiseInverse().asDiagonal();
 }
 
-constexpr int kOwn = 8;  // of a shot: the board's pose and the inset in each image
-
-// Of the rig's unknowns, those of the shot marginalized.
+// Of the rig's unknowns, the board's pose marginalized.
 MatrixXd shot_information(const Target& target, const CameraRig& rig, const PosedShot& shot) {
   const int n = rig.unknowns();
-  MatrixXd A = MatrixXd::Zero(kOwn + n, kOwn + n);
+  MatrixXd A = MatrixXd::Zero(6 + n, 6 + n);
   for (int c = 0; c < rig.cameras; ++c) {
-    const Mat3 R_CC0 = c == 0 ? Mat3(Mat3::Identity()) : rig.T_C1C0.R;
-    for (const Corner& corner : shot.shot.view[c].corners) {
-      const Vec3 outward = target.outward_T(corner.id);
-      const Vec3 p_T = target.p_T(corner.id) - shot.inset_m[c] * outward;
-      const Vec3 p_C0 = shot.T_C0T * p_T;
-      Vec2 uv;
-      Mat23 J;
-      Mat28 J_lens;
-      const Vec3 p_C = c == 0 ? p_C0 : rig.T_C1C0 * p_C0;
-      if (!project(rig.camera[c], p_C, uv, J, J_lens)) continue;
-      if ((uv - corner.uv).norm() > kOutlier_px) continue;
-      MatrixXd row = MatrixXd::Zero(2, kOwn + n);
-      row.leftCols<3>() = -J * R_CC0 * shot.T_C0T.R * skew(p_T);
-      row.middleCols<3>(3) = J * R_CC0;
-      row.col(6 + c) = -J * R_CC0 * shot.T_C0T.R * outward;
-      row.middleCols<8>(kOwn + 8 * c) = J_lens;
+    const SE3 T_CC0 = c == 0 ? SE3{} : rig.T_C1C0;
+    for (const SeenTag& tag : shot.shot.view[c].tags) {
+      TagImage image;
+      if (!project_tag(rig.camera[c], target, T_CC0 * shot.T_C0T, tag.id, image)) continue;
+      if ((image.uv - tag.uv).norm() > kOutlier_px) continue;
+      const StereoParts parts = stereo_parts(image, T_CC0.R, shot.T_C0T);
+      MatrixXd row = MatrixXd::Zero(2, 6 + n);
+      row.leftCols<3>() = image.by_pose.leftCols<3>();
+      row.middleCols<3>(3) = parts.by_p_C0T;
+      row.middleCols<8>(6 + 8 * c) = image.by_lens;
       if (c == 1) {
-        row.middleCols<3>(kOwn + 16) = -J * R_CC0 * skew(p_C0);
-        row.middleCols<3>(kOwn + 19) = J;
+        row.middleCols<3>(6 + 16) = parts.by_theta_C1C0;
+        row.middleCols<3>(6 + 19) = image.by_pose.rightCols<3>();
       }
       A.selfadjointView<Eigen::Lower>().rankUpdate(row.transpose(), 1 / (kSigma_px * kSigma_px));
     }
   }
   A = MatrixXd(A.selfadjointView<Eigen::Lower>());
-  const MatrixXd own = A.topLeftCorner<kOwn, kOwn>() + 1e-3 * MatrixXd::Identity(kOwn, kOwn);
+  const MatrixXd own = A.topLeftCorner<6, 6>() + 1e-3 * MatrixXd::Identity(6, 6);
   return A.bottomRightCorner(n, n) -
-         A.bottomLeftCorner(n, kOwn) * own.ldlt().solve(A.topRightCorner(kOwn, n));
+         A.bottomLeftCorner(n, 6) * own.ldlt().solve(A.topRightCorner(6, n));
 }
 
 double log_determinant(const MatrixXd& A) {

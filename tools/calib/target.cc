@@ -34,11 +34,6 @@ Vec3 Target::p_T(int corner) const {
   return shift_T.empty() ? flat : Vec3(flat + shift_T[size_t(tag)]);
 }
 
-Vec3 Target::outward_T(int corner) const {
-  const int k = corner % 4;
-  return {k == 1 || k == 2 ? 1.0 : -1.0, k >= 2 ? 1.0 : -1.0, 0.0};
-}
-
 Target read_target(const std::string& path) {
   YAML::Node root;
   try {

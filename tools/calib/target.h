@@ -28,9 +28,7 @@ struct Target {
   int corners() const { return 4 * tags(); }
   double pitch_m() const { return tag_m * (1 + spacing); }
   Vec3 p_T(int corner) const;
-  // Which way the corner of its tag points, (+-1, +-1, 0). Overexposure and blur move the edges of
-  // black squares inwards: a corner is seen at p_T - inset * outward_T.
-  Vec3 outward_T(int corner) const;
+  Vec3 tag_T(int tag) const { return (p_T(4 * tag) + p_T(4 * tag + 2)) / 2; }
   Vec3 middle_T() const { return (p_T(0) + p_T(corners() - 2)) / 2; }
   double diagonal_m() const { return (p_T(0) - p_T(corners() - 2)).norm(); }
 };

@@ -10,22 +10,35 @@
 namespace pirvs::tools {
 namespace {
 
-// Sorts by id. An id that is there twice is a reflection or a second board: which one is ours
-// nobody knows, so all corners of that tag go.
-size_t drop_duplicates(View& view) {
-  std::sort(view.corners.begin(), view.corners.end(),
+struct Corner {
+  int id = 0;
+  Vec2 uv;
+};
+
+// Whole tags of an image. A corner that is there twice is a reflection or a second board: which one
+// is ours nobody knows, so that tag goes.
+View whole_tags(TimeNs t, std::vector<Corner>& corners, size_t& doubled, size_t& partial) {
+  std::sort(corners.begin(), corners.end(),
             [](const Corner& a, const Corner& b) { return a.id < b.id; });
-  std::vector<int> twice;
-  for (size_t i = 1; i < view.corners.size(); ++i) {
-    if (view.corners[i].id == view.corners[i - 1].id) twice.push_back(view.corners[i].id / 4);
+  View out;
+  out.t = t;
+  for (size_t i = 0, end = 0; i < corners.size(); i = end) {
+    const int tag = corners[i].id / 4;
+    Vec2 sum = Vec2::Zero();
+    bool twice = false;
+    for (end = i; end < corners.size() && corners[end].id / 4 == tag; ++end) {
+      twice = twice || (end > i && corners[end].id == corners[end - 1].id);
+      sum += corners[end].uv;
+    }
+    if (twice) {
+      ++doubled;
+    } else if (end - i < 4) {
+      ++partial;
+    } else {
+      out.tags.push_back({tag, sum / 4});
+    }
   }
-  const size_t before = view.corners.size();
-  const auto bad = [&](const Corner& corner) {
-    return std::binary_search(twice.begin(), twice.end(), corner.id / 4);
-  };
-  view.corners.erase(std::remove_if(view.corners.begin(), view.corners.end(), bad),
-                     view.corners.end());
-  return before - view.corners.size();
+  return out;
 }
 
 TimeNs least_step(const std::vector<View>& views) {
@@ -38,8 +51,8 @@ TimeNs least_step(const std::vector<View>& views) {
 
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
                              InputLog& log) {
-  std::map<TimeNs, View> found;
-  size_t unknown = 0, outside = 0, doubled = 0, rows = 0;
+  std::map<TimeNs, std::vector<Corner>> found;
+  size_t unknown = 0, outside = 0, doubled = 0, partial = 0, rows = 0;
   TextTable table(path, "corners");
   while (table.next()) {
     const auto t = table.stamp();
@@ -59,9 +72,7 @@ std::vector<View> read_views(const std::string& path, const Target& target, Imag
       ++outside;
       continue;
     }
-    View& view = found[*t];
-    view.t = *t;
-    view.corners.push_back({4 * int(*tag) + int(*k), Vec2(*x, *y)});
+    found[*t].push_back({4 * int(*tag) + int(*k), Vec2(*x, *y)});
   }
   if (rows == 0) throw InputError("no corners", path, "was the board in view?");
   if (unknown > rows / 2) {
@@ -72,13 +83,14 @@ std::vector<View> read_views(const std::string& path, const Target& target, Imag
     throw InputError("most corners are outside the image", path, "give the --size of the images");
   }
   std::vector<View> out;
-  for (auto& [t, view] : found) {
-    doubled += drop_duplicates(view);
-    if (!view.corners.empty()) out.push_back(std::move(view));
+  for (auto& [t, corners] : found) {
+    View view = whole_tags(t, corners, doubled, partial);
+    if (!view.tags.empty()) out.push_back(std::move(view));
   }
   log.count("corners_with_an_unknown_id", unknown);
   log.count("corners_outside_the_image", outside);
-  log.count("corners_of_tags_seen_twice", doubled);
+  log.count("tags_with_corners_missing", partial);
+  log.count("tags_seen_twice", doubled);
   return out;
 }
 

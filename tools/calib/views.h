@@ -16,14 +16,14 @@
 
 namespace pirvs::tools {
 
-struct Corner {
+struct SeenTag {
   int id = 0;
-  Vec2 uv;
+  Vec2 uv;  // the mean of its four corners (tag_image.h says why)
 };
 
 struct View {
   TimeNs t = 0;
-  std::vector<Corner> corners;
+  std::vector<SeenTag> tags;  // by id
 };
 
 struct ImageSize {
@@ -34,7 +34,7 @@ struct ImageSize {
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
                              InputLog& log);
 
-// What a stereo camera saw at one instant; a view without corners: that camera saw nothing.
+// What a stereo camera saw at one instant; a view without tags: that camera saw nothing.
 struct Shot {
   TimeNs t = 0;
   View view[2];
