@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/math/so3.h"
 #include "tools/calib/board_pose.h"
+#include "tools/calib/coverage.h"
 #include "tools/calib/shot_choice.h"
 #include "tools/calib/tag_image.h"
 #include "tools/dataset/input_error.h"
@@ -148,7 +150,8 @@ double error_px(const Camera& camera, const Target& target, const View& view,
   return count > 0 ? std::sqrt(squares / double(2 * count)) : HUGE_VAL;
 }
 
-// A blurred image is not outvoted by sharp ones: its tags are off as one. What stays is the sharper half, by how well one pose explains each image.
+// A blurred image is not outvoted by sharp ones: its tags are off as one. What stays is the sharper
+// half, by how well one pose explains each image.
 std::vector<PosedShot> sharper_half(const Target& target, const CameraRig& rig,
                                     const std::vector<PosedShot>& shots) {
   std::vector<double> errors;
@@ -198,6 +201,16 @@ HeldOut hold_out(const Target& target, const CameraRig& rig, const std::vector<P
   return out;
 }
 
+void refuse_what_is_missing(CameraResult& out) {
+  out.coverage = measure(out.target, out.rig, out.all);
+  const Lack lack = missing(out.coverage, out.rig.cameras);
+  if (lack.what.empty()) return;
+  for (int c = 0; c < out.rig.cameras; ++c) {
+    std::fprintf(stderr, "tags seen by cam%d:\n%s", c, picture(out.coverage, c).c_str());
+  }
+  throw InputError(lack.what, "the recording", lack.remedy);
+}
+
 CameraResult calibrate_model(const Target& target, const std::vector<Shot>& shots, int cameras,
                              CameraModel model, ImageSize size) {
   CameraResult out;
@@ -215,6 +228,7 @@ CameraResult calibrate_model(const Target& target, const std::vector<Shot>& shot
   if (cameras == 2) out.rig.T_C1C0 = start_stereo(target, out.rig, shots);
   for (int round = 0; round < 2; ++round) {  // the second time with a rig that is nearly right
     out.all = pose_shots(out.target, out.rig, shots);
+    refuse_what_is_missing(out);
     const std::vector<PosedShot> sharp = sharper_half(out.target, out.rig, out.all);
     const std::vector<size_t> chosen = choose_shots(out.target, out.rig, sharp, {});
     out.used.clear();

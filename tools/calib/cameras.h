@@ -13,7 +13,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/calib/camera_adjustment.h"
+#include "tools/calib/coverage.h"
 
 namespace pirvs::tools {
 
@@ -33,6 +33,7 @@ struct CameraResult {
   CameraRig rig;
   Adjustment adjustment;
   HeldOut held_out;
+  Coverage coverage;
   std::vector<PosedShot> used;
   std::vector<PosedShot> all;  // every shot whose pose was found
   double other_model_px = 0;   // held out, of the model that was not taken; 0: not tried

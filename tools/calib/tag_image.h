@@ -6,8 +6,8 @@
 // Errors  false: the lens cannot see one of its corners.
 // Cost    ~0.5 us.
 // Source  A corner alone is seen too far inside its tag, by 0.1 to 1 px, as overexposure, blur and
-//         the detector have it, and differently all over the image. That moves the four corners of a
-//         tag towards each other and leaves their mean where it is: EuRoC's corners scatter by 0.15
+//         the detector have it, and differently all over the image. That moves the corners of a tag
+//         towards each other and leaves their mean where it is: EuRoC's corners scatter by 0.15
 //         px, the means of four by 0.06.
 #pragma once
 

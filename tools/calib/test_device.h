@@ -1,6 +1,6 @@
-// What    A device by seed and a recording of a board that it makes, for tests: exact images of tags
-//         along a hand's smooth motion, with noise; IMU samples with scale, misalignment, biases and
-//         a clock of their own.
+// What    A device by seed and a recording of a board that it makes, for tests: exact places of
+//         tags along a hand's smooth motion, with noise; IMU samples with scale, misalignment,
+//         biases and a clock of their own.
 // In      A seed; how the recording is.
 // Out     The truth; shots and samples as the files of a recording have them.
 // Frames  T: the board; B: the accelerometer; C0, C1: the cameras. measured = matrix * true + bias;
@@ -82,6 +82,12 @@ class TestDevice {
       out.push_back(shot);
     }
     return out;
+  }
+
+  // T_C0T at a stamp of the cameras.
+  SE3 pose(const TestRecording& how, TimeNs t) const {
+    const double t_s = to_seconds(t - kStart) + offset_s;
+    return (motion(how, t_s).T_TB * rig.camera[0].T_BC).inverse();
   }
 
   std::vector<ImuSample> samples(const TestRecording& how) {
