@@ -66,9 +66,7 @@ comma := ,
 # the time to compile Eigen and forbid nothing that our chips cannot do.
 SANITIZERS := $(if $(filter thread,$(SAN)),-fsanitize=thread,-fsanitize=address$(comma)undefined \
   -fno-sanitize=null$(comma)alignment$(comma)object-size)
-# GCC says of maybe-uninitialized that it is wrong where a sanitizer's code stands in between.
-SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all \
-  -Wno-maybe-uninitialized
+SANITIZE := -O1 -g1 -fno-omit-frame-pointer $(SANITIZERS) -fno-sanitize-recover=all
 FUZZER := -O1 -g1 -fno-omit-frame-pointer -fno-sanitize-recover=all
 CLANGXX ?= clang++
 
@@ -107,9 +105,9 @@ GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
 test: test-unit test-system test-emulator ## every test; T=name those whose name contains it
 
 SAN_OPTIONS := UBSAN_OPTIONS=print_stacktrace=1 TSAN_OPTIONS=suppressions=tests/tsan.supp
-test-unit: $(OUT_TESTED)/tests ## unit tests alone, sanitizers on
+test-unit: $(OUT_SAN)/tests ## unit tests alone, sanitizers on
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/unit.json
-	$(SAN_OPTIONS) $(OUT_TESTED)/tests --gtest_brief=1 \
+	$(SAN_OPTIONS) $(OUT_SAN)/tests --gtest_brief=1 \
 	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
 
 # The other side of the robot's link, which shares no code with ours; fetched once. Without it, the
@@ -143,6 +141,10 @@ test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER
 CASES ?=
 cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
 	@tools/cases/cases --pirvs $(OUT)/pirvs $(if $(CASES),--only $(CASES)) $(ARGS)
+
+# Draws its recordings once, 3 GB. T=name those whose name contains it, T=kind=5 a kind.
+trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a page; T=name some
+	@tools/trust/trust --pirvs $(OUT)/pirvs --out $(BUILD)/trust $(if $(T),--only $(T)) $(ARGS)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
@@ -256,7 +258,8 @@ $(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
 $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
   $(EMULATOR_OBJ) $(DEVICE_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
 $(IDL_USERS): KIND += -isystem $(IDL)
-$(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) $(OUT_FUZZ)/fuzz: override CXX := $(CLANGXX)
+# clang: sanitized objects take it half of GCC's time, and another compiler's warnings are read.
+$(OUT_SAN)/% $(OUT_FUZZ)/%: override CXX := $(CLANGXX)
 
 # What makes an object anew besides its sources: other flags.
 $(BUILD)/arch: FORCE
@@ -307,7 +310,7 @@ define link
 endef
 $(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
 	$(call link,$(RELEASE),$(LIBS_TOOLS))
-$(OUT_TESTED)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
+$(OUT_SAN)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
 	$(call link,$(SANITIZE),$(LIBS_TEST))
 $(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a
 	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))

@@ -103,6 +103,52 @@ TEST(trust, an_imu_of_other_axes_is_given_up) {
   }
 }
 
+// Two tones of motors and noise on each axis, far above what the IMU's noise says.
+TEST(trust, motors_that_shake_the_imu_do_not_carry_the_pose_away) {
+  if (clip() == nullptr) GTEST_SKIP() << "the real recording is not on this machine";
+  constexpr double kForce_m_s2 = 15, kRate_rad_s = 1;
+  Recording shaken = *clip();
+  testing::Random random(3);
+  for (ImuSample& sample : shaken.imu) {
+    const double t_s = to_seconds(sample.t - shaken.imu.front().t);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double shake = std::sin(2 * M_PI * (87.3 + 3.1 * axis) * t_s + axis) +
+                           0.5 * std::sin(2 * M_PI * (61.7 - 2 * axis) * t_s);
+      sample.f_B[axis] += kForce_m_s2 * (shake + random.gauss(0.3));
+      sample.w_B[axis] += kRate_rad_s * (shake + random.gauss(0.3));
+    }
+  }
+  const Replay run = replay(shaken);
+  const Lies lies = lies_of(run, shaken);
+  std::printf("shaken: lies %.1f %%, error at the end %.3f m\n", 100 * lies.share, lies.error_end);
+  EXPECT_EQ(lies.share, 0);
+  EXPECT_LT(lies.error_end, 0.05);  // 0.014; 16 and more when samples that jump were spikes
+  EXPECT_EQ(run.result.exit_status(), 0) << run.result.verdict;
+}
+
+// The picture stands: the bias has changed, not the attitude.
+TEST(trust, a_gyro_that_steps_at_rest_tilts_nothing) {
+  tools::SimOptions options;
+  options.path = "rest";
+  options.duration_s = 8;
+  options.blur = 1;
+  options.format = "pgm";
+  Recording stepped = made(options, "gyro_step");
+  for (ImuSample& sample : stepped.imu) {
+    const bool late = to_seconds(sample.t - stepped.imu.front().t) > 4;
+    if (late) sample.w_B += Vec3(0.05, -0.05, 0.05);
+  }
+  const Replay run = replay(stepped);
+  const Lies lies = lies_of(run, stepped);
+  const Mat3 R_begin = run.log.frames[30].pose.state.T_WB.R;
+  const Mat3 R_end = run.log.frames.back().pose.state.T_WB.R;
+  const double tilt = std::acos(std::min(1.0, R_begin.row(2).dot(R_end.row(2))));
+  std::printf("gyro step at rest: %.4f m, %.2f degrees\n", lies.error_end, 180 / M_PI * tilt);
+  EXPECT_LT(lies.error_end, 0.01);  // 0.0001; metres when the gyro was believed
+  EXPECT_LT(180 / M_PI * tilt, 0.5);
+  EXPECT_EQ(lies.share, 0);
+}
+
 // What a sensor sees behind a cap: noise about a dark grey, never the same.
 ImageView capped(size_t frame) {
   constexpr int kImages = 8, kWidth = 752, kHeight = 480;

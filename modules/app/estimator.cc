@@ -140,8 +140,10 @@ void Estimator::imu(const ImuSample& sample, bool stamps_in_doubt) {
 void Estimator::begin(const DoorFrame& frame) {
   flush_report();
   frame_ = frame;
+  const auto kept = static_cast<uint8_t>(frame.images.present & ~tracker_.left_out(frame.t));
+  if (kept != 0) frame_.images.present = kept;
   for (int c = 0; c < kCamerasMax; ++c) {
-    if ((frame.images.present >> c & 1) == 0) frontend_[c].reset();
+    if ((frame_.images.present >> c & 1) == 0) frontend_[c].reset();
   }
   map_gate_.frame(tracker_.sent());
   stage_.store(Stage::kMap, std::memory_order_relaxed);
@@ -197,7 +199,7 @@ Step Estimator::tracking_step() {
 // error, so that what is told is rather too small.
 void Estimator::tell_calibration() {
   const SelfCalibration::Estimate now = tracker_.self_calibration();
-  auto& [time, turn, scale] = calibration_news_;
+  auto& [time, turn, scale, pair] = calibration_news_;
   const bool corrected = params_.tracking.tracker.estimate_time > 0.5f;
   if (!corrected && time.size() == 0 && is_off(now.time_s, now.time_sigma_s, kTold_s)) {
     time.put("images are about ")
@@ -206,6 +208,12 @@ void Estimator::tell_calibration() {
         .put(" than their stamps say on the IMU's clock: timeshift_cam_imu, or ")
         .put("--estimate time");
     tell_health(frame_.t, time.c_str());
+  }
+  if (pair.size() == 0 && tracker_.counters().cameras_left_out > 0) {
+    pair.put("the cameras disagree: ")
+        .put(tracker_.left_out(frame_.t) == kRightAlone ? "cam1" : "cam0")
+        .put(" is left out for a while; trigger, exposure, or its T_BS?");
+    tell_health(frame_.t, pair.c_str());
   }
   const double turn_rad = now.turn_B.norm(), sigma_rad = now.turn_sigma_B.maxCoeff();
   if (turn.size() == 0 && is_off(turn_rad, sigma_rad, kTold_rad)) {

@@ -126,7 +126,7 @@ class Estimator {
   int64_t tracking_ns_ = 0;
   FrameReport report_;
   bool report_pending_ = false;
-  Text<160> calibration_news_[3];  // of time, turn and wheels: told once, a sink may keep them
+  Text<160> calibration_news_[4];  // of time, turn, wheels, pair: told once, a sink may keep them
 };
 
 }  // namespace pirvs

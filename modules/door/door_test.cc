@@ -338,6 +338,26 @@ TEST(door, a_spike_is_dropped_a_step_and_a_shock_are_not) {
   EXPECT_EQ(step.lost(), 0u);
 }
 
+// A shaken IMU's samples jump all the time; a spike stands out of them all the same.
+TEST(door, vibration_is_not_spikes) {
+  Script s;
+  s.imu_until(0, 2000 * kMs);
+  for (size_t i = 0; i < s.samples.size(); ++i) {
+    const double t_s = 0.005 * static_cast<double>(i);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double tone = std::sin(2 * 3.14159265 * (87.3 + 3.1 * axis) * t_s + axis) +
+                          0.5 * std::sin(2 * 3.14159265 * (61.7 - 2 * axis) * t_s);
+      s.samples[i].f_B[axis] += 30 * tone;
+      s.samples[i].w_B[axis] += 2 * tone;
+    }
+  }
+  s.samples[300].f_B.x() += 250;
+  s.frame(1990 * kMs);
+  (void)s.all();
+  EXPECT_GE(s.lost(DoorLoss::kImuSpike), 1u);
+  EXPECT_LE(s.lost(DoorLoss::kImuSpike), 20u) << "as the motors start: of 400";
+}
+
 TEST(door, saturated_samples_are_bridged) {
   Script s;
   s.imu_until(0, 300 * kMs);

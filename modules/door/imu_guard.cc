@@ -1,5 +1,6 @@
 #include "modules/door/imu_guard.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace pirvs {
@@ -9,6 +10,10 @@ namespace {
 constexpr double kRate_rad_s_max = 75.0;
 constexpr double kForce_m_s2_max = 320.0;
 constexpr double kFullScale = 0.995;  // of the range: converters clip a few counts early
+
+// Vibration is not spikes: kSpread times what samples differ by is usual. One that stands out alone
+// must not raise that: it counts as half the limit at most, of some 32 samples.
+constexpr double kSpread = 4, kSpreadGain = 1.0 / 32;
 
 double largest(const Vec3& v) { return v.cwiseAbs().maxCoeff(); }
 
@@ -27,6 +32,8 @@ bool sticks_out(const Vec3& a, const Vec3& b, const Vec3& c, double limit) {
 void ImuGuard::configure(const DoorParams& params) {
   *this = ImuGuard{};
   params_ = params;
+  rate_limit_ = static_cast<double>(params.spike_rad_s);
+  force_limit_ = static_cast<double>(params.spike_m_s2);
   break_ = from_seconds(static_cast<double>(params.break_s));
   bridge_ = from_seconds(static_cast<double>(params.bridge_s));
   gap_ = from_seconds(static_cast<double>(params.gap_s));
@@ -52,6 +59,18 @@ bool ImuGuard::impossible(const ImuSample& raw, DoorLosses& losses) {
     losses.add(DoorLoss::kImuStuck);
   }
   return true;
+}
+
+void ImuGuard::note_spread(const ImuSample& before, const ImuSample& raw) {
+  const auto note = [](double difference, double least, double& spread2, double& limit) {
+    const double counts = std::min(difference, 0.5 * limit);
+    spread2 += kSpreadGain * (counts * counts - spread2);
+    limit = std::max(least, kSpread * std::sqrt(spread2));
+  };
+  note(largest(raw.w_B - before.w_B), static_cast<double>(params_.spike_rad_s), rate_spread2_,
+       rate_limit_);
+  note(largest(raw.f_B - before.f_B), static_cast<double>(params_.spike_m_s2), force_spread2_,
+       force_limit_);
 }
 
 // Old samples are dropped; when they go on rising for long enough, the clock has been set back and
@@ -80,8 +99,7 @@ bool ImuGuard::backwards(const ImuSample& raw, DoorLosses& losses) {
 }
 
 bool ImuGuard::jumps(const ImuSample& a, const ImuSample& b) const {
-  return largest(b.w_B - a.w_B) > static_cast<double>(params_.spike_rad_s) ||
-         largest(b.f_B - a.f_B) > static_cast<double>(params_.spike_m_s2);
+  return largest(b.w_B - a.w_B) > rate_limit_ || largest(b.f_B - a.f_B) > force_limit_;
 }
 
 ImuGuard::Doubt ImuGuard::doubt(const ImuSample& raw) const {
@@ -92,8 +110,8 @@ ImuGuard::Doubt ImuGuard::doubt(const ImuSample& raw) const {
 
 bool ImuGuard::confirmed_by(const ImuSample& next) const {
   if (why_doubted_ == Doubt::kStamp) return next.t > doubted_.t && next.t - doubted_.t < break_;
-  return !sticks_out(last_.w_B, doubted_.w_B, next.w_B, static_cast<double>(params_.spike_rad_s)) &&
-         !sticks_out(last_.f_B, doubted_.f_B, next.f_B, static_cast<double>(params_.spike_m_s2));
+  return !sticks_out(last_.w_B, doubted_.w_B, next.w_B, rate_limit_) &&
+         !sticks_out(last_.f_B, doubted_.f_B, next.f_B, force_limit_);
 }
 
 void ImuGuard::accept(const ImuSample& sample, DoorLosses& losses) {
@@ -119,7 +137,9 @@ void ImuGuard::accept(const ImuSample& sample, DoorLosses& losses) {
 }
 
 void ImuGuard::put(const ImuSample& raw, DoorLosses& losses) {
+  const ImuSample before = raw_;
   if (impossible(raw, losses) || backwards(raw, losses)) return;
+  note_spread(before, raw);
   if (why_doubted_ != Doubt::kNone && raw.t == doubted_.t) {
     losses.add(DoorLoss::kImuBackwards);
     return;

@@ -7,7 +7,8 @@
 // Units   rad/s, m/s^2, ns.
 // Errors  What is dropped is counted by name, here and as a gap where it leaves one.
 // Cost    ~10 ns a sample; one sample of latency where one is suspect.
-// Source  A median of three that leaves alone what is not an outlier.
+// Source  A median of three that leaves alone what is not an outlier: a spike is rare, and stands
+//         out of how much the samples before it differed from one another.
 #pragma once
 
 #include "bsp/api/imu.h"
@@ -39,6 +40,7 @@ class ImuGuard {
   Doubt doubt(const ImuSample& raw) const;
   bool confirmed_by(const ImuSample& next) const;
   bool jumps(const ImuSample& a, const ImuSample& b) const;
+  void note_spread(const ImuSample& before, const ImuSample& raw);
   void accept(const ImuSample& sample, DoorLosses& losses);
 
   DoorParams params_;
@@ -48,7 +50,9 @@ class ImuGuard {
   bool has_last_ = false;
   ImuSample doubted_;
   Doubt why_doubted_ = Doubt::kNone;
-  ImuSample raw_;  // whatever came before, for the stuck
+  ImuSample raw_;                            // whatever came before, for the stuck and the shaken
+  double rate_limit_ = 0, force_limit_ = 0;  // beyond which a difference is a spike's
+  double rate_spread2_ = 0, force_spread2_ = 0;  // mean square of differences, largest axis
   float equal_ = 0;
   bool is_back_ = false;  // time has run back, and for how long it has gone on from there
   TimeNs back_begin_ = 0, back_last_ = 0;

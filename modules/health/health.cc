@@ -29,8 +29,8 @@ const char* name(HealthState state) {
 }
 
 const char* name(Reason reason) {
-  static constexpr const char* kNames[] = {"blind",     "rejected", "jumps",  "accel_bias",
-                                           "gyro_bias", "speed",    "stamps", "denied"};
+  static constexpr const char* kNames[] = {"blind", "rejected", "jumps",  "accel_bias", "gyro_bias",
+                                           "speed", "stamps",   "denied", "platform",   "cameras"};
   static_assert(std::size(kNames) == static_cast<size_t>(Reason::kCount));
   return kNames[static_cast<size_t>(reason)];
 }
@@ -88,6 +88,8 @@ uint16_t Health::find_reasons(const FrameEvidence& e, double dt_s) {
   doubt(Reason::kSpeed, e.speed_m_s > params_.speed_max_m_s);
   doubt(Reason::kStamps, in_doubt_ && !e.at_rest);
   doubt(Reason::kDenied, e.t < denied_until_);
+  doubt(Reason::kPlatform, e.moved_along);
+  doubt(Reason::kCameras, e.cameras_disagree);
   return out;
 }
 

@@ -29,6 +29,8 @@ enum class Reason : uint8_t {
   kSpeed,      // beyond what the device can do
   kStamps,     // one sensor's may be wrong
   kDenied,     // what ran before this start was hopeless, not long ago
+  kPlatform,   // the picture stands while the IMU is pushed: what is seen moves along
+  kCameras,    // they do not see at the same time, or are turned against each other
 
   kCount
 };
@@ -53,6 +55,7 @@ struct FrameEvidence {
   bool at_rest = false;
   int rejected = 0;  // correspondences
   double speed_m_s = 0, accel_bias_m_s2 = 0, gyro_bias_rad_s = 0;
+  bool moved_along = false, cameras_disagree = false;
 };
 
 class Health {

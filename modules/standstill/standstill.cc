@@ -16,6 +16,10 @@ constexpr double kLeft_s = 0.3;        // so long it counts that a track left it
 constexpr double kSlide_px = 0.5;      // of a track at rest
 constexpr double kTrackSettle_s = 5;   // a track's place follows its slow drift of itself
 constexpr double kImuSettle_s = 20;    // and the IMU's means the wander of its biases
+constexpr double kPlatform_m_s = 0.5, kPlatform_rad = 0.1;  // what a knock or a bias does not reach
+constexpr double kMoment_s = 0.6;
+constexpr double kShaken_s = 0.1;     // nor what motors shake, which does not sum up
+constexpr double kBias_rad_s = 0.12;  // a gyro wanders no farther while the device rests
 
 }  // namespace
 
@@ -27,6 +31,9 @@ void StandstillDetector::reset() {
   w_sigma_ = f_sigma_ = 1e9;
   patience_s_ = rest_s_ = 0;
   pushed_ = false;
+  rate_step_ = 0;
+  since_step_ = 0;
+  moved_along_ = false;
 }
 
 // Keeps where the track stays: a place that it leaves is given up for the one where it is now.
@@ -128,14 +135,16 @@ void StandstillDetector::take_means(const ImuHistory& imu) {
     f_sum += imu[i].f_B;
   }
   const int since = static_cast<int>(end - first);
+  since_step_ = std::min(since_step_ + since, count_);
   w_last_ = since > 0 ? Vec3(w_sum / since) : w_mean_;
   f_last_ = since > 0 ? Vec3(f_sum / since) : f_mean_;
   imu_end_ = end;
 }
 
 bool StandstillDetector::imu_quiet() const {
-  return count_ >= static_cast<int>(params_.window_samples) && w_sigma_ < params_.gyro_rad_s &&
-         f_sigma_ < params_.accel_m_s2 &&
+  const bool stepped = at_rest() && since_step_ < count_;  // within the window
+  return count_ >= static_cast<int>(params_.window_samples) &&
+         (stepped || w_sigma_ < params_.gyro_rad_s) && f_sigma_ < params_.accel_m_s2 &&
          std::fabs(f_mean_.norm() - kGravity_m_s2) < params_.gravity_m_s2;
 }
 
@@ -144,11 +153,32 @@ bool StandstillDetector::as_expected(const Expected& expected) const {
                              (f_mean_ - expected.f_B).norm() < params_.force_m_s2);
 }
 
-// At rest any change against what the IMU settled on is a motion: of the device, or of the device
-// with all that it sees.
+// A picture that stands beats a gyro that steps: had the device turned, the picture would have
+// moved, or gravity, were all that is seen turned along. About the vertical that cannot be told:
+// what is small is taken for the bias.
+bool StandstillDetector::gyro_steps() const {
+  return (w_last_ - w_rest_).norm() >= 0.5 * params_.rate_rad_s &&
+         (w_last_ - w_begin_).norm() < kBias_rad_s &&
+         (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
+}
+
+// At rest any other change against what the IMU settled on is a motion: of the device, or of the
+// device with all that it sees.
 bool StandstillDetector::stays() const {
   return (w_last_ - w_rest_).norm() < 0.5 * params_.rate_rad_s &&
          (f_last_ - f_rest_).norm() < 0.5 * params_.force_m_s2;
+}
+
+// Rest has ended by the IMU alone, the picture still stands, but for moments in which tracks are
+// lost that are looked for where the IMU says.
+void StandstillDetector::note_push(bool image_still, double dt_s) {
+  unstill_s_ = image_still ? 0 : unstill_s_ + dt_s;
+  if (unstill_s_ > kMoment_s) pushed_ = false;
+  if (!pushed_ || !image_still) return;
+  v_pushed_ += dt_s * (f_last_ - f_rest_);
+  turn_pushed_ += dt_s * (w_last_ - w_rest_);
+  moved_along_ = moved_along_ || v_pushed_.norm() > kPlatform_m_s + kShaken_s * f_sigma_ ||
+                 turn_pushed_.norm() > kPlatform_rad + kShaken_s * w_sigma_;
 }
 
 void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expected& expected) {
@@ -160,9 +190,19 @@ void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expecte
       was_at_rest ? still_share > kShareToLeave && left_ < standing_ : still_share > kShareToRest;
   left_ *= std::max(0.0, 1 - dt_s / kLeft_s);
   standing_ = 0;
+  rate_step_ = 0;
+  if (was_at_rest && image_still && gyro_steps()) {
+    rate_step_ = (w_last_ - w_rest_).norm();
+    w_rest_ = w_last_;
+    since_step_ = 0;
+  }
   if (!image_still || !imu_quiet() || (was_at_rest && !stays())) {
-    if (was_at_rest && image_still) pushed_ = true;
-    if (!image_still) pushed_ = false;
+    if (was_at_rest && image_still) {
+      pushed_ = true;
+      v_pushed_.setZero();
+      turn_pushed_.setZero();
+    }
+    note_push(image_still, dt_s);
     rest_s_ = patience_s_ = 0;
     return;
   }
@@ -173,12 +213,13 @@ void StandstillDetector::judge(const ImuHistory& imu, double dt_s, const Expecte
     f_rest_ += gain * (f_last_ - f_rest_);
     return;
   }
+  note_push(image_still, dt_s);
   patience_s_ += dt_s;
   const bool doubtful = !as_expected(expected) || (pushed_ && !stays());
   if (doubtful && patience_s_ < params_.patience_s) return;
   rest_s_ = params_.image_s;
   pushed_ = false;
-  w_rest_ = w_mean_;
+  w_rest_ = w_begin_ = w_mean_;
   f_rest_ = f_mean_;
 }
 

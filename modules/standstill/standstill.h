@@ -43,6 +43,11 @@ class StandstillDetector {
   // At rest: the track stands, but no longer where it did: it slid along an edge, or was taken
   // along by what passed before it. Of the point that it followed it says nothing.
   bool slid(int c, const Track& track) const { return stays_[c].get(track).moves == kSlid; }
+  // At rest: by how much the gyro has just changed although picture and gravity stand; else 0.
+  double rate_step() const { return rate_step_; }
+  // The picture stood while the IMU gained more speed, or turned more, than it can err by: since
+  // then the place is that in what moves along, not in the world. Until reset().
+  bool moved_along() const { return moved_along_; }
   // Over the window of samples, and over those since the image before.
   const Vec3& mean_rate_B() const { return w_mean_; }
   const Vec3& mean_force_B() const { return f_mean_; }
@@ -63,7 +68,9 @@ class StandstillDetector {
   void take_means(const ImuHistory& imu);
   bool imu_quiet() const;
   bool as_expected(const Expected& expected) const;
+  bool gyro_steps() const;
   bool stays() const;
+  void note_push(bool image_still, double dt_s);
 
   StandstillParams params_;
   TrackTable<Stay> stays_[kCamerasMax];
@@ -73,12 +80,18 @@ class StandstillDetector {
   double w_sigma_ = 1e9, f_sigma_ = 1e9;
   Vec3 w_last_ = Vec3::Zero(), f_last_ = Vec3::Zero();
   Vec3 w_rest_ = Vec3::Zero(), f_rest_ = Vec3::Zero();  // at rest: what the IMU has settled on
-  int cells_still_ = 0, cells_ = 0;                     // of the images since judge()
-  int standing_ = 0;                                    // tracks, now
-  double left_ = 0;                                     // tracks that stood until lately
-  double patience_s_ = 0;  // how long all but what was expected has said rest
+  Vec3 w_begin_ = Vec3::Zero();                         // and said when rest began
+  double rate_step_ = 0;
+  int since_step_ = 0;               // samples
+  int cells_still_ = 0, cells_ = 0;  // of the images since judge()
+  int standing_ = 0;                 // tracks, now
+  double left_ = 0;                  // tracks that stood until lately
+  double patience_s_ = 0;            // how long all but what was expected has said rest
   double rest_s_ = 0;
-  bool pushed_ = false;  // the IMU alone ended rest: the image has not moved since
+  Vec3 v_pushed_ = Vec3::Zero(), turn_pushed_ = Vec3::Zero();  // since the picture alone stands
+  bool moved_along_ = false;
+  double unstill_s_ = 0;  // since the picture last stood
+  bool pushed_ = false;   // the IMU alone ended rest: the image has not moved since
 };
 
 }  // namespace pirvs

@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 
 #include "core/math/so3.h"
+#include "core/math/square.h"
 
 namespace pirvs {
 
@@ -76,6 +77,7 @@ void Estimate::stand_still(const StandstillDetector& standstill) {
   if (!standstill.at_rest()) {
     resting_ = false;
   } else if (resting_) {
+    rest_cov_.diagonal().segment<3>(kBg).array() += square(standstill.rate_step());
     filter_.hold(rest_state_, rest_cov_, standstill.last_rate_B(), standstill.last_force_B());
   } else {
     filter_.update_standstill(standstill.mean_rate_B());

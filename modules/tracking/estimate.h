@@ -20,6 +20,10 @@ class Estimate {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                  double cov_scale, const ImuHistory* history);
+  void set_noise(const ImuNoise& noise) { filter_.set_noise(noise); }
+  void compare(const Correspondences& correspondences, PairCheck& cameras) const {
+    filter_.compare(correspondences, cameras);
+  }
   // T_BV: wheel_calibration.h.
   void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels);
   // A start: the newest sample's time is that of `state`.

@@ -87,6 +87,16 @@ int Filter::agreeing(const Correspondences& correspondences) const {
   return agree;
 }
 
+void Filter::compare(const Correspondences& correspondences, PairCheck& cameras) const {
+  Vec6 rate;
+  rate << last_.w_B - state_.b_g, state_.v_WB;
+  cameras.begin_frame(state_.t, rate);
+  for (const Correspondence& c : correspondences) {
+    Reprojection m;
+    if (linearize(state_, c, m)) cameras.add(c.camera, m);
+  }
+}
+
 PoseInformation Filter::linearize(const BodyState& at,
                                   const Correspondences& correspondences) const {
   const double c2 = params_.robust_sigma * params_.robust_sigma;

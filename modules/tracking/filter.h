@@ -16,6 +16,7 @@
 #include "modules/tracking/mm_reprojection.h"
 #include "modules/tracking/mm_standstill.h"
 #include "modules/tracking/mm_wheel.h"
+#include "modules/tracking/pair_check.h"
 #include "modules/tracking/self_calibration.h"
 #include "modules/tracking/tracking_params.h"
 
@@ -39,6 +40,7 @@ enum class WheelVerdict : uint8_t {
 class Filter {
  public:
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& params);
+  void set_noise(const ImuNoise& noise) { noise_ = noise; }  // from now on
   void reset(const BodyState& state, const Mat15& cov);
   // Tells it of every step from now on; nullptr: nobody.
   void tell(SelfCalibration* listener) { listener_ = listener; }
@@ -53,6 +55,8 @@ class Filter {
   // Eq. 6 for all correspondences at once. Returns how many were accepted; 0 changes nothing.
   // again: they were fused before, and the listener has counted them.
   int update(Correspondences& correspondences, bool again = false);
+  // Every residual about the present pose, to what compares the cameras.
+  void compare(const Correspondences& correspondences, PairCheck& cameras) const;
   // How many of the accepted still fit the pose that they have led to.
   int agreeing(const Correspondences& correspondences) const;
   // From a pose alone: reset() and update(), loosely, then tightly. Returns how many were accepted.

@@ -19,6 +19,7 @@ class Initializer {
   void configure(const Camera* cameras, int count, const ImuNoise& noise,
                  const FilterParams& filter, const TrackerParams& params,
                  const ImuHistory* history);
+  void set_noise(const ImuNoise& noise) { starter_.set_noise(noise); }
   void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels) {
     starter_.configure_wheels(T_BV, params, wheels);
   }

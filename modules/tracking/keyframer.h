@@ -25,6 +25,7 @@ class Keyframer {
   void configure_wheels(const SE3& T_BV, const WheelParams& params) {
     way_.configure(T_BV, params);
   }
+  void set_noise(const ImuNoise& noise) { noise_ = noise; }
   // Motion since the last keyframe, from one sample to the next, and the wheels' speed after it.
   void integrate(const ImuSample& before, const ImuSample& now);
   void note_wheels(const WheelVelocity& velocity, bool slips) { way_.speed(velocity, slips); }

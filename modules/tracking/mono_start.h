@@ -38,6 +38,7 @@ struct MonoStart {
 
 class MonoStarter {
  public:
+  void set_noise(const ImuNoise& noise) { noise_ = noise; }
   void configure(const Camera& camera, int index, const ImuNoise& noise,
                  const TrackerParams& params);
   // Of a vehicle, if there are any; a path as it begins.

@@ -26,6 +26,10 @@ class Starter {
   static constexpr int kKeyframesMax = static_cast<int>(StartKeyframes::capacity());
   void configure(const Camera* cameras, const ImuNoise& noise, const FilterParams& filter,
                  const TrackerParams& params, const ImuHistory* imu);
+  void set_noise(const ImuNoise& noise) {
+    noise_ = noise;
+    for (MonoStarter& mono : mono_) mono.set_noise(noise);
+  }
   void configure_wheels(const SE3& T_BV, const WheelParams& params, const WheelHistory* wheels);
   void reset();
 

@@ -32,6 +32,7 @@ void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
                         const TrackingParams& params, Frontend* frontends, KeyframeRing* keyframes,
                         MapMailbox* map) {
   params_ = params;
+  noise_ = noise;
   mailbox_ = map;
   standstill_.configure(params.standstill);
   associator_.configure(cameras, count, params.matching, frontends);
@@ -62,6 +63,7 @@ void Tracker::add_imu(const ImuSample& measured) {
   const bool follows = !history_.empty();
   const ImuSample before = follows ? history_.newest() : sample;
   history_.add(sample);
+  vibration_.add(sample);
   force_B_ = sample.f_B;
   if (running_) {
     estimate_.propagate(sample);
@@ -96,6 +98,10 @@ void Tracker::add_wheel(const WheelSample& sample) {
 }
 
 Vec3 Tracker::prepare(uint32_t finished) {
+  const ImuNoise noise = vibration_.on_top_of(noise_);
+  estimate_.set_noise(noise);
+  keyframer_.set_noise(noise);
+  initializer_.set_noise(noise);
   if (!running_) {
     keyframer_.note_mapped(finished);
     associator_.predict(initializer_.take_turn());
@@ -259,6 +265,7 @@ void Tracker::update(TimeNs t, uint8_t seen, FrameResult& result) {
   if (result.accepted >= static_cast<int>(params_.health.matches_min)) {
     located_ = true;
     light_since_ = 0;
+    if (seen == kBothSee && !at_rest) compare_cameras(t, correspondences);
   } else if (seen == 0 || !located_) {
     light_since_ = 0;
   } else {
@@ -271,9 +278,14 @@ void Tracker::update(TimeNs t, uint8_t seen, FrameResult& result) {
       static_cast<uint32_t>(associator_.drop_misfits(params_.tracker.misses_max));
   if (at_rest) estimate_.note_rest();
   note_jump(T_WB_predicted, estimate_.state().T_WB, result.recognised);
-  const double sigma_m = std::sqrt(estimate_.pose_cov().diagonal().tail<3>().maxCoeff());
-  result.health_changed = health_.update(evidence(t, result, cells, sigma_m));
+  result.health_changed = health_.update(evidence(t, result, cells));
   if (health_.state() == HealthState::kLost) lose();
+}
+
+void Tracker::compare_cameras(TimeNs t, const Correspondences& correspondences) {
+  estimate_.compare(correspondences, pair_check_);
+  const SelfCalibration::Estimate both = estimate_.self_calibration().estimate();
+  counters_.cameras_left_out += pair_check_.judge(t, both.time_s, both.turn_B) ? 1 : 0;
 }
 
 // After dead reckoning a match may be wrong and fit all the same: many have to agree.
@@ -290,19 +302,20 @@ int Tracker::fuse(Correspondences& correspondences) {
   return accepted;
 }
 
-FrameEvidence Tracker::evidence(TimeNs t, const FrameResult& result, int cells,
-                                double sigma_m) const {
+FrameEvidence Tracker::evidence(TimeNs t, const FrameResult& result, int cells) const {
   const BodyState& state = estimate_.state();
   FrameEvidence out;
   out.t = t;
   out.accepted = result.accepted;
   out.rejected = result.correspondences - result.accepted;
   out.cells = cells;
-  out.position_sigma_m = sigma_m;
+  out.position_sigma_m = std::sqrt(estimate_.pose_cov().diagonal().tail<3>().maxCoeff());
   out.at_rest = standstill_.at_rest();
   out.speed_m_s = state.v_WB.norm();
   out.accel_bias_m_s2 = state.b_a.norm();
   out.gyro_bias_rad_s = state.b_g.norm();
+  out.moved_along = standstill_.moved_along();
+  out.cameras_disagree = pair_check_.in_doubt();
   return out;
 }
 
@@ -363,6 +376,7 @@ void Tracker::interrupt() {
   estimate_.end_rest();
   places_.reset();
   history_.clear();
+  vibration_.reset();
   wheels_.clear();
   last_frame_t_ = light_since_ = 0;
 }

@@ -14,6 +14,7 @@
 #include "modules/frontend/frontend.h"
 #include "modules/health/health.h"
 #include "modules/imu/imu_history.h"
+#include "modules/imu/vibration.h"
 #include "modules/map/map_error.h"
 #include "modules/map/messages.h"
 #include "modules/matching/stereo.h"
@@ -41,7 +42,7 @@ struct TrackingCounters {
   Counter keyframes, keyframes_dropped, snapshots, snapshots_late;
   Counter matched_by_projection, standstill_frames, tracks_dropped;
   Counter recognitions, recognitions_failed, recognitions_implausible, disagreements, joins, loops,
-      loops_implausible, loops_held, jumps;
+      loops_implausible, loops_held, jumps, cameras_left_out;
   Counter wheels_used, wheels_slipping, wheels_skidding, wheels_refused;
   CounterArray<Gate> gates;
 };
@@ -69,6 +70,7 @@ inline constexpr CounterRow<TrackingCounters> kTrackingCounters[] = {
     {"loops_implausible", &TrackingCounters::loops_implausible},
     {"loops_held", &TrackingCounters::loops_held},
     {"jumps", &TrackingCounters::jumps},
+    {"cameras_left_out", &TrackingCounters::cameras_left_out},
     {"wheels_used", &TrackingCounters::wheels_used},
     {"wheels_slipping", &TrackingCounters::wheels_slipping},
     {"wheels_skidding", &TrackingCounters::wheels_skidding},
@@ -140,6 +142,8 @@ class Tracker {
   // besides its input. While tracking runs, the keyframe of its map.
   uint32_t mapped() const { return keyframer_.mapped(); }
   bool at_rest() const { return standstill_.at_rest(); }
+  // Cameras whose images a frame at t is to do without, a bit each: those that disagree.
+  uint8_t left_out(TimeNs t) const { return pair_check_.left_out(t); }
   // The pose, or where a start would continue.
   const SE3& place() const { return running_ ? state().T_WB : initializer_.origin(); }
   Mat15 cov() const { return estimate_.cov(); }
@@ -165,7 +169,8 @@ class Tracker {
   void follow_level(const SE3& leveled);
   void update(TimeNs t, uint8_t seen, FrameResult& result);
   int fuse(Correspondences& correspondences);
-  FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells, double sigma_m) const;
+  FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells) const;
+  void compare_cameras(TimeNs t, const Correspondences& correspondences);
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
   void note_jump(const SE3& before, const SE3& after, bool certain);
@@ -178,7 +183,10 @@ class Tracker {
   TrackingParams params_;
   MapMailbox* mailbox_ = nullptr;
 
+  PairCheck pair_check_;
   ImuHistory history_;
+  ImuNoise noise_;            // of an IMU that nothing shakes
+  VibrationMeter vibration_;  // and what does
   WheelOdometry odometry_;
   WheelHistory wheels_;
   TimeNs slips_until_ = 0;

@@ -22,14 +22,13 @@ std::string number(double value) {
   return text;
 }
 
-// By how much the measured rate must be multiplied to turn the force as it was measured to turn; 0:
-// the body did not tilt.
-double rate_scale(const std::vector<ImuSample>& samples) {
-  constexpr TimeNs kWindow = 100'000'000;
-  struct Mean {
-    Vec3 w = Vec3::Zero(), f = Vec3::Zero();
-    double t_s = 0;
-  };
+// Over tenths of a second: motors shake harder than gravity pulls.
+constexpr TimeNs kWindow = 100'000'000;
+struct Mean {
+  Vec3 w = Vec3::Zero(), f = Vec3::Zero();
+  double t_s = 0;
+};
+std::vector<Mean> means_of(const std::vector<ImuSample>& samples) {
   std::vector<Mean> means;
   for (size_t i = 0; i < samples.size();) {
     Mean mean;
@@ -45,6 +44,12 @@ double rate_scale(const std::vector<ImuSample>& samples) {
     mean.t_s /= double(n);
     means.push_back(mean);
   }
+  return means;
+}
+
+// By how much the measured rate must be multiplied to turn the force as it was measured to turn; 0:
+// the body did not tilt.
+double rate_scale(const std::vector<Mean>& means) {
   double with = 0, of = 0;
   for (size_t i = 1; i < means.size(); ++i) {
     const double dt = means[i].t_s - means[i - 1].t_s;
@@ -84,13 +89,14 @@ ImuFault find_imu_fault(const std::vector<ImuSample>& samples) {
   constexpr size_t kSamplesMin = 100;
   constexpr double kZeros_max = 0.05;
   if (samples.size() < kSamplesMin) return {};
+  const std::vector<Mean> means = means_of(samples);
   std::vector<double> forces, rates;
+  for (const Mean& mean : means) forces.push_back(mean.f.norm());
   double rate2 = 0;
   size_t no_force = 0, no_rate = 0;
   for (const ImuSample& sample : samples) {
     no_force += sample.f_B.isZero(0);
     no_rate += sample.w_B.isZero(0);
-    forces.push_back(sample.f_B.norm());
     rates.push_back(sample.w_B.norm());
     rate2 += sample.w_B.squaredNorm();
   }
@@ -108,7 +114,7 @@ ImuFault find_imu_fault(const std::vector<ImuSample>& samples) {
   std::sort(rates.begin(), rates.end());
   constexpr double kFast_rad_s = 2, kNever_rad_s = 8;  // the latter of all, root mean square
   constexpr double kScaleNever = 0.1;                  // accelerations hide how the force turns
-  const double scale = rate_scale(samples), rms = std::sqrt(rate2 / double(samples.size()));
+  const double scale = rate_scale(means), rms = std::sqrt(rate2 / double(samples.size()));
   const bool tenth = rates[rates.size() * 9 / 10] > kFast_rad_s;
   const bool degrees = scale > 0.4 / kDegrees && scale < 2.5 / kDegrees;
   if ((tenth && degrees) || (rms > kNever_rad_s && std::abs(scale) < kScaleNever)) {

@@ -98,7 +98,7 @@ void RunLog::finish(const App& app) {
   imu_to_pose = app.latency().imu_to_pose.summary();
   calibration = app.self_calibration();
   wheel_scale = app.wheel_scale();
-  for (int i = 0; i < 3; ++i) calibration_news[i] = app.calibration_news(i);
+  for (int i = 0; i < 4; ++i) calibration_news[i] = app.calibration_news(i);
   camera_correction = app.camera_correction();
   exposure_to_fused = app.latency().exposure_to_fused.summary();
 }

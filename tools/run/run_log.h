@@ -61,7 +61,7 @@ struct RunLog {
   std::vector<Count> pools;  // bytes
   LatencySummary imu_to_pose, exposure_to_fused;
   SelfCalibration::Estimate calibration;  // what the calibration's values have left over
-  std::string calibration_news[3];        // time, turn and wheels, or empty
+  std::string calibration_news[4];        // time, turn, wheels and pair, or empty
   double wheel_scale = 1;                 // wheels.estimate_scale: what they were multiplied by
   TimeNs camera_correction = 0;           // --estimate time: on top of the calibration's offset
 

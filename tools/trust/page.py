@@ -1,0 +1,73 @@
+"""The page: the table, and how well confidence tells wrong frames from good ones. Needs nothing but
+itself."""
+
+import html
+
+STYLE = """
+:root{color-scheme:light;--bg:#f6f7f9;--card:#fff;--line:#e2e5ea;--text:#1b212b;--soft:#657083;
+--now:#2563c9;--good:#15803d;--bad:#c02626}
+@media(prefers-color-scheme:dark){:root{color-scheme:dark;--bg:#0f1217;--card:#171b22;
+--line:#2a303a;--text:#e6e9ef;--soft:#93a0b4;--now:#6ea0ff;--good:#6ddb93;--bad:#ff8585}}
+body{margin:0;background:var(--bg);color:var(--text);font:14px/1.5 system-ui,sans-serif}
+main{max-width:1280px;margin:0 auto;padding:24px 20px 60px}
+h1{font-size:22px;margin:0 0 4px}h2{font-size:16px;margin:30px 0 10px}.sub{color:var(--soft)}
+.card{background:var(--card);border:1px solid var(--line);border-radius:12px;padding:12px;
+overflow-x:auto}
+table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px;width:100%}
+th,td{padding:2px 8px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
+th:nth-child(2),td:nth-child(2),td:last-child,th:last-child{text-align:left}
+th{color:var(--soft);font-weight:500}.good{color:var(--good)}.bad{color:var(--bad)}
+svg{display:block;max-width:620px}svg text{font-size:11px;fill:var(--soft)}
+.dot{fill:var(--now)}.rule{stroke:var(--line)}.curve{fill:none;stroke:var(--now);stroke-width:2}
+"""
+WIDTH, HEIGHT, LEFT, TOP = 520, 300, 46, 12
+DOUBTED_MAX = 0.2  # of the good frames: what lies beyond is of no use
+
+
+def plot(curve):
+    def x(doubted):
+        return LEFT + (WIDTH - LEFT) * min(1.0, doubted / DOUBTED_MAX)
+
+    def y(caught):
+        return TOP + (HEIGHT - TOP) * (1 - caught)
+
+    out = [f'<svg viewBox="0 0 {WIDTH + 60} {HEIGHT + 44}">']
+    for k in range(5):
+        share = k / 4
+        out.append(f'<line class="rule" x1="{LEFT}" x2="{WIDTH}" y1="{y(share)}" y2="{y(share)}"/>'
+                   f'<text x="{LEFT - 6}" y="{y(share) + 4}" text-anchor="end">{share:.0%}</text>'
+                   f'<text x="{x(share * DOUBTED_MAX)}" y="{HEIGHT + 16}" text-anchor="middle">'
+                   f'{share * DOUBTED_MAX:.0%}</text>')
+    points = " ".join(f"{x(d):.1f},{y(c):.1f}" for _, d, c in curve)
+    out.append(f'<polyline class="curve" points="{points}"/>')
+    for threshold, doubted, caught in curve:
+        if doubted <= DOUBTED_MAX and round(threshold * 100) % 20 == 0:
+            out.append(f'<circle class="dot" cx="{x(doubted):.1f}" cy="{y(caught):.1f}" r="3"/>'
+                       f'<text x="{x(doubted) + 6:.1f}" y="{y(caught) + 12:.1f}">'
+                       f'{threshold:.1f}</text>')
+    out.append(f'<text x="{(LEFT + WIDTH) / 2}" y="{HEIGHT + 34}" text-anchor="middle">good frames '
+               f'doubted</text></svg>')
+    return "".join(out)
+
+
+def row_of(case, status, verdict, good, said):
+    mark = '<td class="good">yes</td>' if good else '<td class="bad">no</td>'
+    cells = ["no pose", "", "", "", ""] if verdict is None else [
+        f"{verdict.error_end:.3f}", f"{verdict.error_max:.3f}", f"{verdict.sigma_end:.3f}",
+        f"{verdict.confidence:.2f} ({verdict.confidence_min:.2f})", f"{100 * verdict.lies:.1f} %"]
+    told = " ".join(verdict.reasons) if verdict else said
+    return (f"<tr><td>{case.kind}</td><td>{html.escape(case.name)}</td>{mark}<td>{status}</td>"
+            + "".join(f"<td>{cell}</td>" for cell in cells)
+            + f"<td>{html.escape(told[:110])}</td></tr>")
+
+
+def render(rows, curve):
+    heads = ("kind", "case", "honest", "status", "error at the end [m]", "at most", "sigma",
+             "confidence (least)", "lies", "told")
+    return (f'<!doctype html><meta charset="utf-8"><title>Trust</title><style>{STYLE}</style>'
+            f"<main><h1>Trust</h1><p class='sub'>A lie: confidence above 0.6 and an error above "
+            f"0.15 m and three of the sigmas given out.</p><div class='card'><table><tr>"
+            + "".join(f"<th>{head}</th>" for head in heads) + "</tr>"
+            + "".join(row_of(*row) for row in rows)
+            + "</table></div><h2>Wrong frames caught against good frames doubted, by threshold of "
+              f"confidence</h2><div class='card'>{plot(curve)}</div></main>\n")
