@@ -74,7 +74,7 @@ TOOLS := -isystem /usr/include/opencv4
 # What idlc makes of ROS's types.
 IDL := $(BUILD)/idl
 
-LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_imgcodecs \
+LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_videoio -lopencv_imgcodecs \
   -lopencv_imgproc -lopencv_core -lyaml-cpp -lsqlite3 -llz4 -lzstd -lbz2 -lgpiod -lddsc \
   -lceres -lglog -lapriltag -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
@@ -100,15 +100,15 @@ $(SIM).done: | $(OUT)/pirvs
 	@touch $@
 
 # T=name runs the tests whose full name (suite.test) contains it. Results for machines are left in
-# build/test/*.json. Unit and system tests run one after the other: timings stay comparable.
-GTEST_FILTER_ARG := $(if $(T),--gtest_filter='*$(T)*')
+# build/test/*.json.
+FILTER_ARG := $(if $(T),--filter '*$(T)*')
 test: test-unit test-system test-emulator ## every test; T=name those whose name contains it
 
 SAN_OPTIONS := UBSAN_OPTIONS=print_stacktrace=1 TSAN_OPTIONS=suppressions=tests/tsan.supp
 test-unit: $(OUT_SAN)/tests ## unit tests alone, sanitizers on
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/unit.json
-	$(SAN_OPTIONS) $(OUT_SAN)/tests --gtest_brief=1 \
-	  --gtest_output=json:$(BUILD)/test/unit.json $(GTEST_FILTER_ARG)
+	$(SAN_OPTIONS) tests/suites $(OUT_SAN)/tests --brief \
+	  --json $(BUILD)/test/unit.json $(FILTER_ARG)
 
 # The other side of the robot's link, which shares no code with ours; fetched once. Without it, the
 # tests that need it fail by name.
@@ -134,8 +134,8 @@ $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
 test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
-	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) $(OUT_TESTED)/system_tests \
-	  --gtest_output=json:$(BUILD)/test/system.json $(GTEST_FILTER_ARG)
+	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) tests/suites $(OUT_TESTED)/system_tests \
+	  --json $(BUILD)/test/system.json $(FILTER_ARG)
 
 # What people reported, if ../shared is there; CASES=01,04 some of them.
 CASES ?=
@@ -150,6 +150,11 @@ trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a pag
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
 	PIRVS_RENEW=$(RENEW) $(OUT_TESTED)/system_tests --gtest_brief=1 --gtest_filter='golden*'
 
+# The paper's data sets, as far as they are there (docs/evaluation.md).
+paper: $(OUT)/pirvs ## the paper's tables: EUROC=DIR PENNCOSYVIO=DIR TUMVI=DIR
+	@tools/paper/paper --pirvs $(OUT)/pirvs --out $(BUILD)/paper $(if $(EUROC),--euroc $(EUROC)) \
+	  $(if $(PENNCOSYVIO),--penncosyvio $(PENNCOSYVIO)) $(if $(TUMVI),--tumvi $(TUMVI)) $(ARGS)
+
 # New inputs gather in build/fuzz/NAME; worth keeping: -merge=1 them into tests/fuzz/corpus/NAME.
 SECONDS ?= 600
 fuzz: $(OUT_FUZZ)/fuzz ## throw bytes at a parser: T=name SECONDS=600
@@ -163,8 +168,8 @@ test-emulator: $(OUT)/emulator_tests $(OUT)/pirvs $(PROF_PLUGIN) $(IN_TURN) ## i
 	@$(MAKE) -s BOARD=qemu-virt all
 	@$(MAKE) -s BOARD=rk3399-bare all firmware
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/emulator.json
-	PIRVS_BUILD=$(BUILD) $(OUT)/emulator_tests \
-	  --gtest_output=json:$(BUILD)/test/emulator.json $(GTEST_FILTER_ARG)
+	PIRVS_BUILD=$(BUILD) tests/suites $(OUT)/emulator_tests \
+	  --json $(BUILD)/test/emulator.json $(FILTER_ARG)
 
 # Debian's kernel is fetched once, 120 MB; `make clean` forgets it.
 DEVICE := $(BUILD)/device
@@ -201,7 +206,8 @@ fetch: $(LINK_CLIENT) $(LOG_WRITER) $(DEVICE)/release $(DEVICE)/source/dummy_hcd
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200
-nightly: ## what takes too long for every day: 200 power cuts of a card, 10 minutes of all sensors
+nightly: ## what takes too long for every day: clang-tidy of all, 200 power cuts, 10 minutes of all sensors
+	@$(MAKE) check
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
 	@FAILURES=each $(MAKE) test-device T=versions_that_fail
 	@PIRVS_LOAD_SECONDS=600 $(MAKE) test-device T=device_load
@@ -221,9 +227,10 @@ eval: $(OUT)/pirvs ## a set to judge by: FAST=1 some rows once, BASE=DIR against
 	@tools/judge/judge --pirvs $(OUT)/pirvs --out $(BUILD)/eval $(if $(FAST),--fast) \
 	  $(if $(BASE),--base $(BASE)) $(ARGS)
 
+COMMITS ?= 0
 check: $(BUILD)/setup.stamp $(OUT)/libpirvs.a ## format, names, layers, no-heap, function length
 	@for board in $(BARE_BOARDS) $(LINUX_BOARDS); do $(MAKE) -s BOARD=$$board all size; done
-	@tools/check/run --build $(BUILD) --objects $(OUT)/obj \
+	@tools/check/run --build $(BUILD) --commits $(COMMITS) --objects $(OUT)/obj \
 	  $(LINUX_BOARDS:%=--objects $(BUILD)/%/obj) $(BARE_BOARDS:%=--image $(BUILD)/%/pirvs.elf)
 
 # ---- build -------------------------------------------------------------------------------------

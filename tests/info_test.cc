@@ -4,9 +4,9 @@
 #include <cstdio>
 
 #include "tests/recordings.h"
-#include "tools/dataset/image_turn.h"
-#include "tools/dataset/imu_sense.h"
-#include "tools/dataset/stereo_sense.h"
+#include "tools/info/image_turn.h"
+#include "tools/info/imu_sense.h"
+#include "tools/info/stereo_sense.h"
 
 namespace pirvs::systems {
 namespace {

@@ -40,7 +40,6 @@ class PinTrigger {
 
   const char* name_ = "";
   bool urgent_ = false;
-  TimeNs phase_ns_ = 0;
   OutputPin pin_;
   PulseThread thread_;
   PulsePlan plan_;

@@ -21,7 +21,7 @@ struct Slot {
   int fd = -1;
 };
 struct {
-  const char* directory = ".";
+  char directory[PATH_MAX] = ".";  // a copy: files never go where a freed text points
   Slot slots[kFilesMax];
 } storage;
 
@@ -110,7 +110,11 @@ Status sync_folder_of(Path path) {
 
 }  // namespace
 
-void set_storage_directory(const char* directory) { storage.directory = directory; }
+void set_storage_directory(const char* directory) {
+  const size_t length = strlen(directory);
+  PIRVS_ASSERT(length < sizeof storage.directory);
+  memmove(storage.directory, directory, length + 1);
+}
 
 Result<File> storage_open(const char* name) { return open_slot(name, false); }
 

@@ -6,6 +6,7 @@
 #include "bsp/api/console.h"
 #include "bsp/api/events.h"
 #include "core/base/assert.h"
+#include "modules/recorder/sensor_yaml.h"
 
 namespace pirvs {
 namespace {
@@ -82,29 +83,13 @@ Status Recorder::write_text(const char* name, const TextWriter& text) {
 
 Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
   Text<kBlock> text;
-  text.put("sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) text.exact(camera.T_BC.R(i, j)).put(", ");
-    text.exact(camera.T_BC.p[i]).put(", ");
-  }
-  text.put("0, 0, 0, 1]\nresolution: [").number(camera.width).put(", ");
-  text.number(camera.height).put("]\ncamera_model: pinhole\nintrinsics: [");
-  text.exact(camera.fx).put(", ").exact(camera.fy).put(", ");
-  text.exact(camera.cx).put(", ").exact(camera.cy).put("]\ndistortion_model: ");
-  text.put(camera.model == CameraModel::kKannalaBrandt ? "equidistant" : "radial-tangential");
-  text.put("\ndistortion_coefficients: [");
-  for (int i = 0; i < 4; ++i) text.exact(camera.d[i]).put(i < 3 ? ", " : "]\n");
-  text.put("timeshift_cam_imu: ").exact(to_seconds(offset)).put("\n");
+  put_camera_yaml(text, camera, offset);
   return write_text(kCameraYaml[c], text);
 }
 
 Status Recorder::write_imu_yaml(const ImuNoise& noise) {
   Text<kBlock> text;
-  text.put("sensor_type: imu\nrate_hz: ").exact(noise.rate_hz);
-  text.put("\ngyroscope_noise_density: ").exact(noise.gyro_noise);
-  text.put("\ngyroscope_random_walk: ").exact(noise.gyro_walk);
-  text.put("\naccelerometer_noise_density: ").exact(noise.accel_noise);
-  text.put("\naccelerometer_random_walk: ").exact(noise.accel_walk).put("\n");
+  put_imu_yaml(text, noise);
   return write_text("mav0/imu0/sensor.yaml", text);
 }
 

@@ -119,8 +119,8 @@ TEST(device_exposure, a_pin_triggers_half_an_exposure_before_the_grid) {
   constexpr TimeNs kPeriod = 50'000'000, kTolerance = 100'000;
   const DeviceRun& run = exposed_run();
   ASSERT_EQ(run.status, 0) << run.console;
-  const std::vector<TimeNs> up = run.robot_times("TRIGGER", 1),
-                            down = run.robot_times("TRIGGER", 0);
+  const std::vector<TimeNs> up = run.robot_times("TRIGGER", 1);
+  std::vector<TimeNs> down = run.robot_times("TRIGGER", 0);
   ASSERT_GT(up.size(), 200u) << "12.5 s at 20 Hz, but for the program's end";
   EXPECT_EQ(run.counter("trigger.left_out"), 0u);
   EXPECT_LE(run.counter("trigger.late"), 2u) << "the guest's clock leaps on a busy host";
@@ -157,6 +157,8 @@ TEST(device_exposure, a_pin_triggers_half_an_exposure_before_the_grid) {
       1e-6 * double(least), 1e-6 * double(most), 1e-3 * double(off[off.size() / 2]),
       1e-3 * double(off[off.size() * 99 / 100]), 1e-3 * double(off.back()), off.size());
   EXPECT_GT(most, 2 * least) << "the exposure did change";
+  // The robot may begin to listen in the middle of a pulse.
+  if (!down.empty() && down[0] < up[0]) down.erase(down.begin());
   for (size_t i = 0; i < std::min(up.size(), down.size()); ++i) {
     EXPECT_NEAR(double(down[i] - up[i]), 800e3, 100e3) << i;
   }

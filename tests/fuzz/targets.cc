@@ -25,11 +25,13 @@
 #include "modules/gnss/receiver_clock.h"
 #include "modules/gnss/receiver_reader.h"
 #include "modules/link/link.h"
+#include "tools/dataset/assemble.h"
 #include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/logs/ros_message.h"
+#include "tools/dataset/loose_tables.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/recording.h"
 #include "tools/dataset/sensor_tables.h"
@@ -87,6 +89,24 @@ void image_list(const uint8_t* data, size_t size) {
     const auto images = tools::read_image_list(file.path(), log);
     PIRVS_ASSERT(!images.empty());
     for (size_t i = 1; i < images.size(); ++i) PIRVS_ASSERT(images[i].t > images[i - 1].t);
+  });
+}
+
+// What lies beside a video: stamps of frames, and one sensor's samples.
+void loose_table(const uint8_t* data, size_t size) {
+  const MemoryFile file(data, size);
+  expect_result_or_refusal([&] {
+    const auto table = tools::open_frame_stamps(file.path(), {tools::kCameraRates, {}, {}});
+    while (table->next()) (void)table->stamp();
+  });
+  expect_result_or_refusal([&] {
+    tools::InputLog log;
+    tools::TextTable table(file.path(), "gyro samples", {tools::kImuRates, {}, {}});
+    auto samples = tools::read_triples(table, &ImuSample::w_B, file.path(), log);
+    tools::put_gyro_first(samples, log);
+    for (size_t i = 1; i < samples.size(); ++i) PIRVS_ASSERT(samples[i].t > samples[i - 1].t);
+    const auto both = tools::join_sensors(samples, samples);
+    for (const ImuSample& sample : both) PIRVS_ASSERT(sample.f_B.allFinite());
   });
 }
 
@@ -150,6 +170,7 @@ void log(const uint8_t* data, size_t size) {
       cv::Mat grey;
       (void)tools::decode_imu(message.bytes, topic.cdr, sample);
       (void)tools::decode_image(message.bytes, topic.cdr, grey);
+      (void)tools::compressed_image(message.bytes, topic.cdr);
       (void)tools::decode_pose(topic.type, message.bytes, topic.cdr, pose);
       if (places.size() < 100) places.push_back(message.place);
     });
@@ -476,6 +497,7 @@ void gnss_table(const uint8_t* data, size_t size) {
 const Target kTargets[] = {
     {"imu_csv", imu_csv},
     {"image_list", image_list},
+    {"loose_table", loose_table},
     {"order_csv", order_csv},
     {"sensor_yaml", sensor_yaml},
     {"rig_file", rig_file},

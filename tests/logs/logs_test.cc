@@ -6,9 +6,8 @@
 
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
 
-#include "modules/calibration/calibration_text.h"
+#include "tests/logs/clip_part.h"
 #include "tests/recordings.h"
 #include "tests/replay.h"
 #include "tools/dataset/input_error.h"
@@ -17,8 +16,6 @@ namespace pirvs::systems {
 namespace {
 
 namespace fs = std::filesystem;
-
-constexpr const char* kDuration_s = "5";
 
 struct Kind {
   const char* name;
@@ -42,31 +39,13 @@ const Kind kKinds[] = {
     {"rosbag2_mcap", mcap("zstd"), true},
 };
 
-// The clip's calibration, which reads back to the bit.
-std::string calibration_file(const std::string& folder) {
-  Text<kCalibrationTextMax> text;
-  write_calibration(clip()->calibration, text);
-  const std::string path = folder + "/clip.cfg";
-  std::ofstream(path) << text.c_str();
-  return path;
-}
-
 std::string write(const Kind& kind, const std::string& folder) {
   const std::string path = folder + "/" + kind.name;
   if (kind.folder) fs::create_directories(path);
   std::string command = kind.write;
-  command.replace(command.find("CLIP"), 4, clip()->folder + " " + kDuration_s);
+  command.replace(command.find("CLIP"), 4, clip()->folder + " " + std::to_string(kPart_s));
   EXPECT_EQ(std::system((command + " " + path).c_str()), 0) << command;
   return path;
-}
-
-// What the writers write of it.
-tools::Recording first_part() {
-  tools::Recording part = *clip();
-  const TimeNs end = part.frames.front().t + from_seconds(std::atof(kDuration_s));
-  while (part.frames.back().t > end) part.frames.pop_back();
-  while (part.imu.back().t > end) part.imu.pop_back();
-  return part;
 }
 
 class logs : public testing::TestWithParam<size_t> {};

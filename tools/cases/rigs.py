@@ -4,7 +4,11 @@ A writer of its own: it shares no code with the readers that it tests.
 """
 import json
 import re
+import sys
 from pathlib import Path
+
+sys.path.append(str(Path(__file__).resolve().parent.parent / "lib"))
+from rotation import quaternion
 
 
 class Camera:
@@ -39,24 +43,6 @@ def inverse(T):
 
 def product(A, B):
     return [sum(A[4 * i + k] * B[4 * k + j] for k in range(4)) for i in range(4) for j in range(4)]
-
-
-def quaternion(T):
-    """x y z w of a rotation, by the largest of the four."""
-    m = [T[0:3], T[4:7], T[8:11]]
-    q = [m[0][0] - m[1][1] - m[2][2], m[1][1] - m[0][0] - m[2][2], m[2][2] - m[0][0] - m[1][1],
-         m[0][0] + m[1][1] + m[2][2]]
-    i = q.index(max(q))
-    big = (q[i] + 1) ** 0.5 / 2
-    part = 1 / (4 * big)
-    if i == 3:
-        return [(m[2][1] - m[1][2]) * part, (m[0][2] - m[2][0]) * part, (m[1][0] - m[0][1]) * part,
-                big]
-    j, k = (i + 1) % 3, (i + 2) % 3
-    out = [0.0] * 4
-    out[i], out[j], out[k] = big, (m[i][j] + m[j][i]) * part, (m[i][k] + m[k][i]) * part
-    out[3] = (m[k][j] - m[j][k]) * part
-    return out
 
 
 def write(path, text):
@@ -98,7 +84,8 @@ def openvins(cameras, folder):
 def basalt(cameras, folder):
     poses, lenses = [], []
     for camera in cameras:
-        T, q = camera.T, quaternion(camera.T)
+        T = camera.T
+        q = quaternion([T[0:3], T[4:7], T[8:11]])
         poses.append(dict(px=T[3], py=T[7], pz=T[11], qx=q[0], qy=q[1], qz=q[2], qw=q[3]))
         names = dict(zip(("fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"), camera.k + camera.d))
         names.update(k3=0, k4=0, k5=0, k6=0, rpmax=0)

@@ -58,12 +58,30 @@ def read_one(path, folder=Path(".")):
     return findings
 
 
+def changed(sources, tree, commits):
+    """Those of the sources that the last commits changed; for a header one source that has it."""
+    log = subprocess.run(["git", "log", f"-{commits}", "--format=", "--name-only"], check=True,
+                         capture_output=True, text=True).stdout
+    names = {name for name in log.splitlines() if name in tree}
+    chosen = {path for path in sources if path in names}
+    headers = {name for name in names if name.endswith(".h")}
+    for path in chosen:
+        headers -= reached(path, tree)
+    for header in sorted(headers):
+        own = header.removesuffix(".h") + ".cc"
+        users = [own] * (own in tree) or [path for path in sources if header in reached(path, tree)]
+        chosen.update(users[:1])
+    return [path for path in sources if path in chosen]
+
+
 def check(tree, options):
     cache = Path(options.work) / "tidy"
     cache.mkdir(exist_ok=True)
     # Tests and benches are left out: the macros of their libraries are not ours to name.
     sources = [p for p in tree if p.endswith(".cc") and not p.startswith("tests/")
                and not re.search(r"_(test|bench)\.cc$", p)]
+    if options.commits:
+        sources = changed(sources, tree, options.commits)
 
     def verdict(path):
         kept = cache / verdict_name(path, tree)

@@ -25,6 +25,7 @@ struct Command {
 extern const Command kRunCommand;
 extern const Command kEvalCommand;
 extern const Command kPackCommand;
+extern const Command kConvertCommand;
 extern const Command kInfoCommand;
 extern const Command kSimCommand;
 extern const Command kListenCommand;

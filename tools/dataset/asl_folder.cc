@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 
+#include "tools/dataset/assemble.h"
 #include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
-#include "tools/dataset/pairs.h"
 #include "tools/dataset/sensor_tables.h"
 #include "tools/dataset/text_table.h"
 #include "tools/dataset/wheel_file.h"
@@ -71,62 +72,64 @@ std::string table_of_names(const std::string& camera) {
   return "";
 }
 
-TextTable image_table(const std::string& camera, const StampRule& rule) {
+std::unique_ptr<TextTable> image_table(const std::string& camera, const StampRule& rule) {
+  constexpr const char* kWhat = "list of images";
   const std::string path = camera + "/data.csv";
-  if (fs::exists(path)) return TextTable(path, "list of images", rule);
-  const std::string names = table_of_names(camera);
-  if (names.empty()) return TextTable(path, "list of images", rule);  // which says what is missing
-  return TextTable(TextTable::Content{names}, camera, "list of images", rule);
+  const std::string names = fs::exists(path) ? "" : table_of_names(camera);
+  // Without either it says what is missing.
+  if (names.empty()) return std::make_unique<TextTable>(path, kWhat, rule);
+  return std::make_unique<TextTable>(TextTable::Content{names}, camera, kWhat, rule);
 }
 
-// What the stamps of each table count; they tell on each other.
-struct Units {
-  StampUnit camera = StampUnit::kUnknown, imu = StampUnit::kUnknown;
+// Which tell on each other what their stamps count.
+struct Tables {
+  std::unique_ptr<TextTable> left, imu;
 };
 
-Units units_of(const std::string& left, const std::string& imu, StampUnit asked) {
-  Units out;
-  out.camera = image_table(left, {kCameraRates, asked, {}}).unit();
-  out.imu = TextTable(imu, "IMU samples", {kImuRates, asked, out.camera}).unit();
-  if (out.camera == StampUnit::kUnknown) {
-    out.camera = image_table(left, {kCameraRates, asked, out.imu}).unit();
+Tables open_tables(const std::string& left, const std::string& imu, StampUnit asked) {
+  Tables out;
+  out.left = image_table(left, {kCameraRates, asked, {}});
+  out.imu = std::make_unique<TextTable>(imu, "IMU samples",
+                                        StampRule{kImuRates, asked, out.left->unit()});
+  if (out.left->unit() == StampUnit::kUnknown) {
+    out.left->settle_unit({kCameraRates, asked, out.imu->unit()});
   }
   return out;
 }
 
-std::vector<ListedImage> read_images(const std::string& mav0, int number, StampUnit unit,
+std::vector<ListedImage> read_images(const std::string& mav0, int number, TextTable& table,
                                      Recording& recording) {
   const std::string camera = mav0 + "/cam" + std::to_string(number);
   const Rows rows = recording.order.empty() ? Rows::kInOrderOfTime : Rows::kAsRecorded;
-  TextTable table = image_table(camera, {kCameraRates, unit, unit});
   auto images = read_image_list(table, camera + "/data.csv", recording, rows);
   const Place place = place_of(mav0, camera, images);
   for (ListedImage& image : images) image.file = path_of(place, image.file);
   return images;
 }
 
-void read_frames(const std::string& mav0, const Rig& rig, StampUnit unit, Recording& recording) {
-  constexpr TimeNs kWorthAWord = 20'000'000;
-  const auto left = read_images(mav0, rig.camera[0], unit, recording);
+std::vector<ListedImage> read_right_images(const std::string& mav0, int number, StampUnit unit,
+                                           Recording& recording) {
+  const auto table =
+      image_table(mav0 + "/cam" + std::to_string(number), {kCameraRates, unit, unit});
+  return read_images(mav0, number, *table, recording);
+}
+
+void read_frames(const std::string& mav0, const Rig& rig, TextTable& table, Recording& recording) {
+  const auto left = read_images(mav0, rig.camera[0], table, recording);
   std::vector<ListedImage> right;
-  if (rig.calibration.cameras == 2) right = read_images(mav0, rig.camera[1], unit, recording);
-  note_gaps(left, "cam" + std::to_string(rig.camera[0]), kWorthAWord, recording);
-  // Stamps of one exposure come to one time on the IMU's clock.
-  const TimeNs right_later = rig.shift_ns[0] - rig.shift_ns[1];
-  for (const PairedImages& pair : pair_images(left, right, right_later, recording)) {
-    FrameFiles frame;
-    frame.t = pair.t;
-    for (int c = 0; c < 2; ++c) frame.image[c] = pair.file[c];
-    recording.frames.push_back(frame);
+  if (rig.calibration.cameras == 2) {
+    right = read_right_images(mav0, rig.camera[1], table.unit(), recording);
   }
+  add_frames(rig, left, right, "cam" + std::to_string(rig.camera[0]), recording);
 }
 
 // Each frame's images are the next ones of the cameras that it says are present. What the tables
 // do not hold any more, as after a power cut, has not come.
-void read_frames_in_order(const std::string& mav0, Recording& recording) {
+void read_frames_in_order(const std::string& mav0, TextTable& table, Recording& recording) {
   std::vector<ListedImage> images[2];
-  for (int c = 0; c < recording.calibration.cameras; ++c) {
-    images[c] = read_images(mav0, c, StampUnit::kNanoseconds, recording);
+  images[0] = read_images(mav0, 0, table, recording);
+  if (recording.calibration.cameras == 2) {
+    images[1] = read_right_images(mav0, 1, StampUnit::kNanoseconds, recording);
   }
   size_t image_at[2] = {0, 0}, imu = 0, row = 0;
   for (bool whole = true; row < recording.order.size(); ++row) {
@@ -211,20 +214,20 @@ void read_truth(const std::string& mav0, const RecordingOptions& options, StampU
   }
 }
 
-void note_units(const Units& units, const Recording& read, Recording& recording) {
+void note_units(StampUnit camera, StampUnit imu, const Recording& read, Recording& recording) {
   constexpr TimeNs kYear2000 = 946'684'800'000'000'000;
-  const bool usual = units.camera == StampUnit::kNanoseconds &&
-                     units.imu == StampUnit::kNanoseconds && read.frames.front().t > kYear2000;
+  const bool usual = camera == StampUnit::kNanoseconds && imu == StampUnit::kNanoseconds &&
+                     read.frames.front().t > kYear2000;
   if (usual || read.frames.size() < 2 || read.imu.size() < 2) return;
   const auto hz = [](size_t rows, TimeNs span) {
     return double(rows - 1) / to_seconds(std::max<TimeNs>(span, 1));
   };
   char text[160];
-  std::snprintf(
-      text, sizeof text, "stamps are taken as %s (images, %.1f Hz) and %s (IMU, %.0f Hz)%s",
-      name(units.camera), hz(read.frames.size(), read.frames.back().t - read.frames.front().t),
-      name(units.imu), hz(read.imu.size(), read.imu.back().t - read.imu.front().t),
-      read.frames.front().t > kYear2000 ? "" : ", not since 1970");
+  std::snprintf(text, sizeof text,
+                "stamps are taken as %s (images, %.1f Hz) and %s (IMU, %.0f Hz)%s", name(camera),
+                hz(read.frames.size(), read.frames.back().t - read.frames.front().t), name(imu),
+                hz(read.imu.size(), read.imu.back().t - read.imu.front().t),
+                read.frames.front().t > kYear2000 ? "" : ", not since 1970");
   recording.note(text);
 }
 
@@ -254,36 +257,28 @@ void read_asl_folder(const std::string& folder, const RecordingOptions& options,
     throw InputError("not a recording, it has no cam0", mav0, "give an ASL/EuRoC folder");
   }
   const Rig rig = read_folder_rig(mav0, options, recording);
-  recording.calibration = rig.calibration;
-  for (int c = 0; c < 2; ++c) recording.turns[c] = rig.turns[c];
   const bool whole = options.start_s <= 0 && options.duration_s <= 0;
   if (whole && fs::exists(mav0 + "/order.csv")) recording.order = read_order(mav0 + "/order.csv");
   const bool ordered = !recording.order.empty();
   if (ordered && fs::exists(mav0 + "/maps.csv")) recording.maps = read_maps(mav0 + "/maps.csv");
   const std::string imu = mav0 + "/imu0/data.csv";
   const std::string left = mav0 + "/cam" + std::to_string(rig.camera[0]);
-  const Units units = ordered ? Units{StampUnit::kNanoseconds, StampUnit::kNanoseconds}
-                              : units_of(left, imu, options.stamps);
-  recording.imu =
-      read_imu_samples(imu, recording, ordered ? Rows::kAsRecorded : Rows::kInOrderOfTime,
-                       {kImuRates, units.imu, units.imu});
-  if (!rig.has_rate && recording.imu.size() > 1) {
-    const TimeNs step = std::max<TimeNs>(1, interval(recording.imu));
-    recording.calibration.imu.rate_hz = 1e9 / double(step);
-  }
-  check_sense(recording.calibration, options.calibration.empty() ? mav0 : options.calibration);
+  const Tables tables = open_tables(left, imu, ordered ? StampUnit::kNanoseconds : options.stamps);
+  recording.imu = read_imu_samples(*tables.imu, imu, recording,
+                                   ordered ? Rows::kAsRecorded : Rows::kInOrderOfTime);
+  take_rig(rig, options.calibration.empty() ? mav0 : options.calibration, recording);
   if (ordered) {
-    read_frames_in_order(mav0, recording);
+    read_frames_in_order(mav0, *tables.left, recording);
     if (recording.frames.empty()) throw InputError("no frames", mav0, "check the recording");
   } else {
     constexpr TimeNs kWorthAWord = 10'000'000;
     note_gaps(recording.imu, "imu0", kWorthAWord, recording);
-    read_frames(mav0, rig, units.camera, recording);
-    note_units(units, recording, recording);
+    read_frames(mav0, rig, *tables.left, recording);
+    note_units(tables.left->unit(), tables.imu->unit(), recording, recording);
   }
   read_fixes(mav0, options, recording);
   read_wheels(mav0, options, recording);
-  read_truth(mav0, options, units.camera, recording);
+  read_truth(mav0, options, tables.left->unit(), recording);
 }
 
 }  // namespace pirvs::tools

@@ -9,6 +9,7 @@
 #include "tools/dataset/asl_folder.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/logs/log_recording.h"
+#include "tools/dataset/loose_files.h"
 #include "tools/dataset/pack_file.h"
 
 namespace pirvs::tools {
@@ -82,6 +83,10 @@ void note_counts(Recording& recording) {
   }
 }
 
+bool is_asl(const std::string& path) {
+  return fs::is_directory(path + "/mav0") || fs::is_directory(path + "/imu0");
+}
+
 }  // namespace
 
 double Recording::duration_s() const {
@@ -91,13 +96,16 @@ double Recording::duration_s() const {
 Recording open_recording(const std::string& path, const RecordingOptions& options) {
   Recording recording;
   if (!fs::exists(path)) {
-    throw InputError("no such recording", path,
-                     "give an ASL/EuRoC folder, a ROS bag, a rosbag2 folder, an MCAP file or a "
-                     "packed file");
+    throw InputError(
+        "no such recording", path,
+        "give an ASL/EuRoC folder, a ROS bag, a rosbag2 folder, an MCAP file, a folder "
+        "with a video or images and tables, or a packed file");
   }
   recording.folder = path;
   if (auto log = open_log(path)) {
     read_log(std::move(log), path, options, recording);
+  } else if (!is_asl(path) && is_loose(path)) {
+    read_loose_files(path, options, recording);
   } else if (fs::is_directory(path)) {
     read_asl_folder(path, options, recording);
   } else {

@@ -134,6 +134,11 @@ std::vector<ListedImage> read_image_list(TextTable& table, const std::string& pa
 std::vector<ImuSample> read_imu_samples(const std::string& path, InputLog& log, Rows rows,
                                         const StampRule& rule) {
   TextTable table(path, "IMU samples", rule);
+  return read_imu_samples(table, path, log, rows);
+}
+
+std::vector<ImuSample> read_imu_samples(TextTable& table, const std::string& path, InputLog& log,
+                                        Rows rows) {
   const Columns columns = columns_of(table, path, log);
   const size_t last = *std::max_element(columns.at.begin(), columns.at.end());
   std::vector<ImuSample> samples;

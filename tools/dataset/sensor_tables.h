@@ -31,12 +31,15 @@ enum class Rows : uint8_t { kInOrderOfTime, kAsRecorded };
 std::vector<ListedImage> read_image_list(const std::string& path, InputLog& log,
                                          Rows rows = Rows::kInOrderOfTime,
                                          const StampRule& rule = {kCameraRates, {}, {}});
-// The same of a table that is open; `path` is what errors name.
-std::vector<ListedImage> read_image_list(TextTable& table, const std::string& path, InputLog& log,
-                                         Rows rows);
 std::vector<ImuSample> read_imu_samples(const std::string& path, InputLog& log,
                                         Rows rows = Rows::kInOrderOfTime,
                                         const StampRule& rule = {kImuRates, {}, {}});
+
+// The same of tables that are open; `path` is what errors name.
+std::vector<ListedImage> read_image_list(TextTable& table, const std::string& path, InputLog& log,
+                                         Rows rows);
+std::vector<ImuSample> read_imu_samples(TextTable& table, const std::string& path, InputLog& log,
+                                        Rows rows);
 
 // Sorts by stamp and drops what repeats one; both are counted, as `what`_out_of_order and
 // `what`_repeated.

@@ -39,27 +39,29 @@ void TextTable::look_through(const StampRule& rule) {
     content_.erase(0, kByteOrderMark.size());
   }
   std::string_view rest = content_;
-  std::vector<double> stamps;
-  bool any_point = false;
   while (!rest.empty()) {
     std::string_view line = rest.substr(0, rest.find('\n'));
     rest.remove_prefix(std::min(line.size() + 1, rest.size()));
     while (!line.empty() && is_blank(line.back())) line.remove_suffix(1);
     while (!line.empty() && (is_blank(line.front()) || line.front() == '#')) {
-      if (line.front() == '#' && stamps.empty()) heading_ = line.substr(1);
+      if (line.front() == '#' && stamps_.empty()) heading_ = line.substr(1);
       if (line.front() == '#') break;
       line.remove_prefix(1);
     }
     const std::string_view field = line.substr(0, line.find_first_of(",; \t"));
     if (const auto number = stamp_number(field)) {
-      any_point = any_point || field.find('.') != std::string_view::npos;
-      stamps.push_back(*number);
-    } else if (stamps.empty() && !line.empty() && line.front() != '#') {
+      any_point_ = any_point_ || field.find('.') != std::string_view::npos;
+      stamps_.push_back(*number);
+    } else if (stamps_.empty() && !line.empty() && line.front() != '#') {
       heading_ = line;
     }
   }
   while (!heading_.empty() && is_blank(heading_.front())) heading_.remove_prefix(1);
-  unit_ = unit_of_stamps(std::move(stamps), any_point, heading_, rule);
+  settle_unit(rule);
+}
+
+void TextTable::settle_unit(const StampRule& rule) {
+  unit_ = unit_of_stamps(stamps_, any_point_, heading_, rule);
 }
 
 bool TextTable::split(std::string_view line) {

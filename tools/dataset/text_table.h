@@ -42,6 +42,8 @@ class TextTable {
   std::optional<TimeNs> stamp() const;                // of the first column
   bool has_commas() const { return has_commas_; }
   StampUnit unit() const { return unit_; }
+  // Once more, where something is known that was not when the table was opened.
+  void settle_unit(const StampRule& rule);
   size_t line() const { return line_; }
   // The last line above the first row that is not one, without its '#'; perhaps empty.
   std::string_view heading() const { return heading_; }
@@ -62,6 +64,8 @@ class TextTable {
   bool cut_off_ = false;
   std::vector<std::string_view> fields_;
   std::string_view heading_;
+  std::vector<double> stamps_;  // rows' first fields
+  bool any_point_ = false;
   StampUnit unit_ = StampUnit::kUnknown;
 
   void look_through(const StampRule& rule);

@@ -173,7 +173,7 @@ void Topics::points(const stream::PointsMessage& points, bool last, TimeNs offse
   if (!last) return;
   constexpr uint8_t kFloat32 = 7;
   constexpr uint32_t kStep = 16;
-  const char* const kNames[] = {"x", "y", "z", "sigma"};
+  static constexpr const char* kNames[] = {"x", "y", "z", "sigma"};
   sensor_msgs_msg_dds__PointField_ fields[4] = {};
   for (uint32_t i = 0; i < std::size(fields); ++i) {
     fields[i] = {const_cast<char*>(kNames[i]), 4 * i, kFloat32, 1};

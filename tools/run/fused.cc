@@ -16,8 +16,7 @@ constexpr double kDegree = kPi / 180;
 // The truth in the frame of the fused poses, at any time.
 class Truth {
  public:
-  Truth(const Recording& recording, const LocalFrame& frame)
-      : poses_(recording.truth.poses), frame_(frame) {
+  Truth(const Recording& recording, const LocalFrame& frame) : poses_(recording.truth.poses) {
     const GnssSensor& sensor = recording.gnss_sensor;
     const Geodetic origin = {sensor.truth_latitude_deg * kDegree,
                              sensor.truth_longitude_deg * kDegree, sensor.truth_height_m};
@@ -40,7 +39,6 @@ class Truth {
 
  private:
   const std::vector<TrajectoryPose>& poses_;
-  const LocalFrame& frame_;
   SE3 T_EW_;
 };
 

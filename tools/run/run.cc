@@ -14,16 +14,18 @@
 #include "tools/cli/command.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/progress.h"
-#include "tools/dataset/image_turn.h"
-#include "tools/dataset/imu_sense.h"
+#include "tools/convert/writers.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording_options.h"
+#include "tools/info/image_turn.h"
+#include "tools/info/imu_sense.h"
 #include "tools/report/report.h"
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
 #include "tools/run/parameters.h"
 #include "tools/run/playback.h"
 #include "tools/run/robot_output.h"
+#include "tools/run/run_mcap.h"
 #include "tools/run/trace_file.h"
 
 namespace pirvs::tools {
@@ -38,7 +40,7 @@ struct Options {
   bool lockstep = false;
   int mapping_lag = -1;
   double camera_latency_ms = 0;
-  bool trace = false, force = false;
+  bool trace = false, force = false, mcap = false;
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
@@ -57,8 +59,30 @@ void stop_by_hand(int signal) {
   std::signal(signal, SIG_DFL);
 }
 
-void prepare_record_folder(const std::string& folder) {
+// With *.mcap the recorder writes a folder that becomes one.
+bool records_mcap(const std::string& record) {
+  return std::filesystem::path(record).extension() == ".mcap";
+}
+
+std::string record_folder(const std::string& record) {
+  return records_mcap(record) ? record + ".folder" : record;
+}
+
+void finish_record(const std::string& record) {
+  if (!records_mcap(record)) return;
+  InputLog log;
+  write_mcap(
+      open_recording(record_folder(record), {}), record, [](size_t) {}, log);
+  print_notes(log);
   std::error_code error;
+  std::filesystem::remove_all(record_folder(record), error);
+}
+
+void prepare_record(const std::string& record, const std::string& folder) {
+  std::error_code error;
+  if (records_mcap(record) && std::filesystem::exists(record)) {
+    throw InputError("is there already", record, "choose another --record");
+  }
   std::filesystem::create_directories(folder, error);
   if (error || !std::filesystem::is_empty(folder, error)) {
     throw InputError("not an empty folder", folder, "choose another --record");
@@ -118,7 +142,8 @@ int run(const Options& options, const std::string& command) {
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
   OutputFolder out(options.out, options.force);
-  if (!options.record.empty()) prepare_record_folder(options.record);
+  const std::string recorded_to = record_folder(options.record);
+  if (!options.record.empty()) prepare_record(options.record, recorded_to);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
@@ -167,7 +192,9 @@ int run(const Options& options, const std::string& command) {
   write_run_files(out, info, recording, log, result, rejected);
   out.write("report.html", make_report(info, recording, log, result, rejected));
   if (options.trace) out.write("trace.json", trace_json());
+  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
   out.commit();
+  if (!options.record.empty()) finish_record(options.record);
   print_result(options, log, result);
   return tell_end(recording, result);
 }
@@ -206,6 +233,8 @@ std::function<int()> declare_run(CLI::App& app) {
       ->check(CLI::Range(0.0, 1000.0));
   app.add_flag("--trace", o->trace,
                "also write trace.json: when each task ran, in the last seconds");
+  app.add_flag("--mcap", o->mcap,
+               "also write run.mcap: poses, points, health, images, for Foxglove and rosbag2");
   app.add_option("--set", o->set, "name=value, a parameter (pirvs params --all lists them)")
       ->allow_extra_args(false);
   app.add_option("--estimate", o->estimate,
@@ -214,7 +243,7 @@ std::function<int()> declare_run(CLI::App& app) {
   app.add_option("--fault", o->faults, "SPEC, inject a fault into the input; repeatable, see below")
       ->allow_extra_args(false);
   app.add_option("--record", o->record,
-                 "also write the input, with its injected faults, as an ASL folder");
+                 "also write the input, with its injected faults, as an ASL folder, or as *.mcap");
   auto* const mavlink = app.add_option(
       "--mavlink", o->mavlink,
       "udp:HOST:PORT or a file, the poses as an autopilot gets them (docs/integration.md)");

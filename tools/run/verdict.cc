@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/dataset/imu_sense.h"
+#include "tools/info/imu_sense.h"
 
 namespace pirvs::tools {
 namespace {

@@ -1,24 +1,16 @@
-"""The page: the table, and how well confidence tells wrong frames from good ones. Needs nothing but
-itself."""
+"""The page: the table, and how well confidence tells wrong frames from good ones."""
 
 import html
+import sys
+from pathlib import Path
 
-STYLE = """
-:root{color-scheme:light;--bg:#f6f7f9;--card:#fff;--line:#e2e5ea;--text:#1b212b;--soft:#657083;
---now:#2563c9;--good:#15803d;--bad:#c02626}
-@media(prefers-color-scheme:dark){:root{color-scheme:dark;--bg:#0f1217;--card:#171b22;
---line:#2a303a;--text:#e6e9ef;--soft:#93a0b4;--now:#6ea0ff;--good:#6ddb93;--bad:#ff8585}}
-body{margin:0;background:var(--bg);color:var(--text);font:14px/1.5 system-ui,sans-serif}
-main{max-width:1280px;margin:0 auto;padding:24px 20px 60px}
-h1{font-size:22px;margin:0 0 4px}h2{font-size:16px;margin:30px 0 10px}.sub{color:var(--soft)}
-.card{background:var(--card);border:1px solid var(--line);border-radius:12px;padding:12px;
-overflow-x:auto}
-table{border-collapse:collapse;font-variant-numeric:tabular-nums;font-size:13px;width:100%}
-th,td{padding:2px 8px;text-align:right;border-bottom:1px solid var(--line);white-space:nowrap}
+sys.path.append(str(Path(__file__).resolve().parent.parent / "lib"))
+from style import STYLE
+
+OWN_STYLE = """
 th:nth-child(2),td:nth-child(2),td:last-child,th:last-child{text-align:left}
-th{color:var(--soft);font-weight:500}.good{color:var(--good)}.bad{color:var(--bad)}
-svg{display:block;max-width:620px}svg text{font-size:11px;fill:var(--soft)}
-.dot{fill:var(--now)}.rule{stroke:var(--line)}.curve{fill:none;stroke:var(--now);stroke-width:2}
+.good{color:var(--good)}.bad{color:var(--bad)}svg{max-width:620px}svg text{fill:var(--soft)}
+.dot{fill:var(--now)}.curve{fill:none;stroke:var(--now);stroke-width:2}
 """
 WIDTH, HEIGHT, LEFT, TOP = 520, 300, 46, 12
 DOUBTED_MAX = 0.2  # of the good frames: what lies beyond is of no use
@@ -64,7 +56,8 @@ def row_of(case, status, verdict, good, said):
 def render(rows, curve):
     heads = ("kind", "case", "honest", "status", "error at the end [m]", "at most", "sigma",
              "confidence (least)", "lies", "told")
-    return (f'<!doctype html><meta charset="utf-8"><title>Trust</title><style>{STYLE}</style>'
+    return (f'<!doctype html><meta charset="utf-8"><title>Trust</title>'
+            f'<style>{STYLE}{OWN_STYLE}</style>'
             f"<main><h1>Trust</h1><p class='sub'>A lie: confidence above 0.6 and an error above "
             f"0.15 m and three of the sigmas given out.</p><div class='card'><table><tr>"
             + "".join(f"<th>{head}</th>" for head in heads) + "</tr>"

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <charconv>
+#include <filesystem>
 
+#include "tools/dataset/assemble.h"
 #include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/image_store.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/logs/ros_message.h"
-#include "tools/dataset/pairs.h"
 
 namespace pirvs::tools {
 namespace {
@@ -41,19 +42,37 @@ class LogImages : public ImageStore {
  public:
   explicit LogImages(std::unique_ptr<LogFile> log) : log_(std::move(log)) {}
   ImageRead read(const std::string& key, cv::Mat& grey) override {
-    size_t topic = 0;
-    LogPlace place;
-    if (!read_key(key, topic, place) || topic >= log_->topics().size()) return ImageRead::kMissing;
-    const Bytes bytes = log_->load(place);
+    LogTopic of;
+    const Bytes bytes = message(key, of);
     if (bytes.size == 0) return ImageRead::kMissing;
-    const LogTopic& of = log_->topics()[topic];
     const bool good = of.type == kImage ? decode_image(bytes, of.cdr, grey)
                                         : decode_compressed_image(bytes, of.cdr, grey);
     return good ? ImageRead::kGood : ImageRead::kUndecodable;
   }
+  EncodedImage encoded(const std::string& key) override {
+    constexpr uint8_t kPngBegin = 0x89, kJpegBegin = 0xFF;
+    LogTopic of;
+    const Bytes bytes = message(key, of);
+    if (bytes.size == 0 || of.type != kCompressed) return {};
+    const Bytes file = compressed_image(bytes, of.cdr);
+    if (file.size == 0) return {};
+    const uint8_t first = file.data[0];
+    return {{file.data, file.data + file.size},
+            first == kPngBegin    ? "png"
+            : first == kJpegBegin ? "jpeg"
+                                  : ""};
+  }
 
  private:
   std::unique_ptr<LogFile> log_;
+
+  Bytes message(const std::string& key, LogTopic& of) {
+    size_t topic = 0;
+    LogPlace place;
+    if (!read_key(key, topic, place) || topic >= log_->topics().size()) return {};
+    of = log_->topics()[topic];
+    return log_->load(place);
+  }
 };
 
 struct Found {
@@ -170,23 +189,6 @@ bool is_still(const std::vector<ImuSample>& samples, Vec3 ImuSample::*vector) {
                      [&](const ImuSample& s) { return (s.*vector).isZero(0); });
 }
 
-// The gyro's samples with the force of the other table at their times.
-std::vector<ImuSample> joined(const std::vector<ImuSample>& gyro,
-                              const std::vector<ImuSample>& accel) {
-  std::vector<ImuSample> out;
-  size_t j = 1;
-  for (const ImuSample& sample : gyro) {
-    while (j < accel.size() && accel[j].t < sample.t) ++j;
-    if (j >= accel.size()) break;
-    if (accel[j - 1].t > sample.t) continue;
-    const double share = double(sample.t - accel[j - 1].t) / double(accel[j].t - accel[j - 1].t);
-    ImuSample both = sample;
-    both.f_B = accel[j - 1].f_B + share * (accel[j].f_B - accel[j - 1].f_B);
-    out.push_back(both);
-  }
-  return out;
-}
-
 void read_imu(std::vector<Found>& all, const RecordingOptions& options, const std::string& path,
               Recording& recording) {
   auto topics = of_kind(all, options, [](const Found& found) { return !found.samples.empty(); });
@@ -202,7 +204,7 @@ void read_imu(std::vector<Found>& all, const RecordingOptions& options, const st
     recording.imu = whole->samples;
     recording.note("IMU: " + whole->topic.name);
   } else if (gyro != nullptr && accel != nullptr && accel->samples.size() > 1) {
-    recording.imu = joined(gyro->samples, accel->samples);
+    recording.imu = join_sensors(gyro->samples, accel->samples);
     recording.note("IMU: " + gyro->topic.name + ", with the force of " + accel->topic.name);
   }
   if (recording.imu.empty()) {
@@ -233,32 +235,36 @@ void read_truth(std::vector<Found>& all, const RecordingOptions& options, Record
 }
 
 void read_frames(const std::vector<Found*>& cameras, const Rig& rig, Recording& recording) {
-  constexpr TimeNs kWorthAWord = 20'000'000;
-  std::vector<ListedImage> images[2];
   for (int c = 0; c < rig.calibration.cameras; ++c) {
     Found& found = *cameras[size_t(rig.camera[c])];
-    images[c] = found.images;
-    put_in_order(images[c], "image_rows", recording);
-    note_gaps(images[c], found.topic.name, kWorthAWord, recording);
+    put_in_order(found.images, "image_rows", recording);
     recording.note((c == 0 ? "left camera: " : "right camera: ") + found.topic.name);
   }
-  const TimeNs right_later = rig.shift_ns[0] - rig.shift_ns[1];
-  for (const PairedImages& pair : pair_images(images[0], images[1], right_later, recording)) {
-    FrameFiles frame;
-    frame.t = pair.t;
-    for (int c = 0; c < 2; ++c) frame.image[c] = pair.file[c];
-    recording.frames.push_back(frame);
+  const Found& left = *cameras[size_t(rig.camera[0])];
+  const bool alone = rig.calibration.cameras < 2;
+  add_frames(rig, left.images,
+             alone ? std::vector<ListedImage>{} : cameras[size_t(rig.camera[1])]->images,
+             left.topic.name, recording);
+}
+
+// The one asked for, or what `pirvs convert` has left beside the log.
+std::string calibration_of(const std::string& path, const RecordingOptions& options,
+                           InputLog& log) {
+  if (!options.calibration.empty()) return options.calibration;
+  const std::string beside = std::filesystem::path(path).replace_extension(".cfg").string();
+  if (!std::filesystem::is_regular_file(beside)) {
+    throw InputError("a log has no calibration of cameras and IMU together", path,
+                     "give one with --calib (docs/formats.md)");
   }
+  log.note("calibration: " + beside);
+  return beside;
 }
 
 }  // namespace
 
 void read_log(std::unique_ptr<LogFile> log, const std::string& path,
               const RecordingOptions& options, Recording& recording) {
-  if (options.calibration.empty()) {
-    throw InputError("a log has no calibration of cameras and IMU together", path,
-                     "give one with --calib (docs/formats.md)");
-  }
+  const std::string calibration = calibration_of(path, options, recording);
   recording.kind = log->kind();
   auto all = scan(*log);
   if (log->cut_off()) recording.note("the log is cut off: read up to there");
@@ -266,28 +272,22 @@ void read_log(std::unique_ptr<LogFile> log, const std::string& path,
   how.imu = options.imu;
   how.cameras = options.cameras;
   how.mono = options.mono;
-  const auto cameras = cameras_of(all, rig_topics(options.calibration), options);
+  const auto cameras = cameras_of(all, rig_topics(calibration), options);
   if (cameras.empty()) {
     throw InputError("no images: no messages of " + std::string(kImage) + " or " + kCompressed +
                          "; the log has " + list_of(all),
                      path, "record the cameras' topics, too");
   }
   if (cameras.size() < 2) how.mono = true;
-  const Rig rig = read_rig(options.calibration, how, recording);
+  const Rig rig = read_rig(calibration, how, recording);
   for (int c = 0; c < rig.calibration.cameras; ++c) {
     if (size_t(rig.camera[c]) < cameras.size()) continue;
     throw InputError(
         "no topic for cam" + std::to_string(rig.camera[c]) + "; the log has " + list_of(all), path,
         "name the cameras' topics with --topics, in the calibration's order");
   }
-  recording.calibration = rig.calibration;
-  for (int c = 0; c < 2; ++c) recording.turns[c] = rig.turns[c];
   read_imu(all, options, path, recording);
-  if (!rig.has_rate && recording.imu.size() > 1) {
-    const TimeNs step = std::max<TimeNs>(1, interval(recording.imu));
-    recording.calibration.imu.rate_hz = 1e9 / double(step);
-  }
-  check_sense(recording.calibration, options.calibration);
+  take_rig(rig, calibration, recording);
   constexpr TimeNs kWorthAWord = 10'000'000;
   note_gaps(recording.imu, "imu", kWorthAWord, recording);
   read_frames(cameras, rig, recording);

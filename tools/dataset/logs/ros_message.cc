@@ -161,12 +161,17 @@ bool decode_image(Bytes bytes, bool cdr, cv::Mat& grey) {
   return false;
 }
 
-bool decode_compressed_image(Bytes bytes, bool cdr, cv::Mat& grey) {
+Bytes compressed_image(Bytes bytes, bool cdr) {
   Wire wire(bytes, cdr);
   (void)wire.header();
   (void)wire.text();  // the format, which its bytes say as well
   const Bytes file = wire.block(wire.number<uint32_t>());
-  if (!wire.good() || file.size == 0 || file.size > INT32_MAX) return false;
+  return wire.good() && file.size <= INT32_MAX ? file : Bytes{};
+}
+
+bool decode_compressed_image(Bytes bytes, bool cdr, cv::Mat& grey) {
+  const Bytes file = compressed_image(bytes, cdr);
+  if (file.size == 0) return false;
   const cv::Mat all(1, int(file.size), CV_8UC1, const_cast<uint8_t*>(file.data));
   grey = cv::imdecode(all, cv::IMREAD_GRAYSCALE);
   return !grey.empty();

@@ -31,6 +31,8 @@ bool decode_imu(Bytes bytes, bool cdr, ImuSample& out);
 // sensor_msgs/Image or CompressedImage, as 8-bit grey.
 bool decode_image(Bytes bytes, bool cdr, cv::Mat& grey);
 bool decode_compressed_image(Bytes bytes, bool cdr, cv::Mat& grey);
+// The file within a CompressedImage; nothing where it is cut off.
+Bytes compressed_image(Bytes bytes, bool cdr);
 
 // nav_msgs/Odometry, geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped.
 bool is_pose(const std::string& type);

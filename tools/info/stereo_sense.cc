@@ -1,4 +1,4 @@
-#include "tools/dataset/stereo_sense.h"
+#include "tools/info/stereo_sense.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>

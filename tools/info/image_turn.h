@@ -21,6 +21,7 @@ struct ImageTurn {
   bool enough = false;
   size_t pairs = 0;
   double agreement = 0;        // 1: all that the gyro measured is seen in the images; 0: nothing
+  double as_given = 0;         // the same with the stamps as the calibration takes them
   double late_s = 0;           // stamps are later than the calibration says
   double off_deg = 0;          // between R_BC and the calibration's
   double inverse_off_deg = 0;  // and its inverse

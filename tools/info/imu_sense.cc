@@ -1,4 +1,4 @@
-#include "tools/dataset/imu_sense.h"
+#include "tools/info/imu_sense.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
