@@ -9,8 +9,8 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kSteps[] = {&kCalibCamerasCommand, &kCalibImuCameraCommand,
-                                 &kCalibNoiseCommand};
+const Command* const kSteps[] = {&kCalibTargetCommand, &kCalibCornersCommand, &kCalibCamerasCommand,
+                                 &kCalibImuCameraCommand, &kCalibNoiseCommand};
 
 std::function<int()> declare(CLI::App& app) {
   app.require_subcommand(1);

@@ -7,6 +7,8 @@
 
 namespace pirvs::tools {
 
+extern const Command kCalibTargetCommand;
+extern const Command kCalibCornersCommand;
 extern const Command kCalibCamerasCommand;
 extern const Command kCalibImuCameraCommand;
 extern const Command kCalibNoiseCommand;

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tools/calib/board_images.h"
 #include "tools/calib/lens.h"
 #include "tools/calib/result_files.h"
 #include "tools/dataset/calibration/rig_file.h"
@@ -20,6 +21,23 @@ void print_lens(const CameraResult& result, int c) {
   }
   std::printf("cam%d reprojection %.3f px, on shots left out %.3f px\n", c,
               result.adjustment.rms_px[c], result.held_out.within_px[c]);
+}
+
+void read_images(const CornerOptions& options, CornerInput& out) {
+  InputLog log;
+  BoardImages found = find_boards(options.sequence, out.target, options.rate_hz, log);
+  print_log(options.sequence, log);
+  out.how.size = found.size;
+  out.cameras = found.cameras;
+  std::vector<View> views[2];
+  for (int c = 0; c < found.cameras; ++c) {
+    TagCounts counts;
+    for (ImageCorners& image : found.images[c]) {
+      View view = whole_tags(image.t, image.corners, counts);
+      if (!view.tags.empty()) views[c].push_back(std::move(view));
+    }
+  }
+  out.shots = pair_views(views[0], views[1]);
 }
 
 }  // namespace
@@ -44,15 +62,19 @@ ImuNoise read_noise(const std::string& path) {
 }
 
 void declare_corners(CLI::App& app, CornerOptions& options) {
-  app.add_option("--corners", options.files, "tables of corners, one a camera: cam0.csv,cam1.csv")
+  CLI::Option* const sequence =
+      app.add_option("SEQ", options.sequence, "an ASL folder with images of the board");
+  app.add_option("--corners", options.files,
+                 "instead, tables of corners, one a camera: cam0.csv,cam1.csv")
       ->delimiter(',')
       ->expected(1, 2)
-      ->required();
+      ->excludes(sequence);
+  app.add_option("--rate", options.rate_hz, "images a second to look at, at most")
+      ->check(CLI::Range(0.1, 1000.0));
   app.add_option("--target", options.target, "the board's yaml, Kalibr's or `calib target`'s")
       ->required();
-  app.add_option("--size", options.size, "width and height of the images, px")
+  app.add_option("--size", options.size, "with --corners: width and height of the images, px")
       ->expected(2)
-      ->required()
       ->check(CLI::Range(16, 65536));
   app.add_option("--model", options.model, "radtan or equidistant; else the better one")
       ->check(CLI::IsMember({"radtan", "equidistant"}));
@@ -61,9 +83,16 @@ void declare_corners(CLI::App& app, CornerOptions& options) {
 CornerInput read_corner_input(const CornerOptions& options) {
   CornerInput out;
   out.target = read_target(options.target);
-  out.how.size = {options.size[0], options.size[1]};
   if (options.model == "radtan") out.how.model = CameraModel::kPinholeRadtan;
   if (options.model == "equidistant") out.how.model = CameraModel::kKannalaBrandt;
+  if (!options.sequence.empty()) {
+    read_images(options, out);
+    return out;
+  }
+  if (options.files.empty() || options.size.size() != 2) {
+    throw InputError("no images", "SEQ", "give a recording, or --corners and --size");
+  }
+  out.how.size = {options.size[0], options.size[1]};
   out.cameras = int(options.files.size());
   std::vector<View> views[2];
   for (size_t c = 0; c < options.files.size(); ++c) {

@@ -16,9 +16,11 @@
 namespace pirvs::tools {
 
 struct CornerOptions {
+  std::string sequence;  // images; or
   std::vector<std::string> files;
   std::string target, model;
   std::vector<int> size;
+  double rate_hz = 20;  // of images looked at
 };
 
 struct CornerInput {

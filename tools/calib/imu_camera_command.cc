@@ -1,13 +1,16 @@
 // `pirvs calib imu-camera`: cameras against the IMU, and the IMU itself.
 #include <cstdio>
+#include <filesystem>
 #include <memory>
 #include <nlohmann/json.hpp>
 
 #include "core/math/so3.h"
+#include "tools/calib/board_images.h"
 #include "tools/calib/calib_command.h"
 #include "tools/calib/corner_input.h"
 #include "tools/calib/imu_camera.h"
 #include "tools/calib/result_files.h"
+#include "tools/dataset/input_error.h"
 #include "tools/dataset/sensor_tables.h"
 
 namespace pirvs::tools {
@@ -60,12 +63,20 @@ void print(const ImuCameraResult& r) {
 
 int run(const Options& o) {
   const CornerInput input = read_corner_input(o.corners);
+  const std::string own = o.corners.sequence.empty() ? "" : mav0_of(o.corners.sequence) + "/imu0";
+  if (o.imu.empty() && own.empty()) {
+    throw InputError("no IMU samples", "--imu", "give them, or a recording that has them");
+  }
+  const std::string path = o.imu.empty() ? own + "/data.csv" : o.imu;
   InputLog log;
-  const std::vector<ImuSample> imu = read_imu_samples(o.imu, log);
-  print_log(o.imu, log);
+  const std::vector<ImuSample> imu = read_imu_samples(path, log);
+  print_log(path, log);
   ImuCameraOptions how = o.how;
   how.imu_intrinsics = !o.plain_imu;
-  if (!o.noise.empty()) how.noise = read_noise(o.noise);
+  const bool has_own = !own.empty() && std::filesystem::exists(own + "/sensor.yaml");
+  if (!o.noise.empty() || has_own) {
+    how.noise = read_noise(o.noise.empty() ? own + "/sensor.yaml" : o.noise);
+  }
   const CameraResult cameras =
       calibrate_cameras(input.target, input.shots, input.cameras, input.how);
   print_cameras(cameras);
@@ -85,7 +96,8 @@ int run(const Options& o) {
 std::function<int()> declare(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   declare_corners(app, o->corners);
-  app.add_option("--imu", o->imu, "samples: stamp, gyro rad/s, accelerometer m/s^2")->required();
+  app.add_option("--imu", o->imu,
+                 "samples: stamp, gyro rad/s, accelerometer m/s^2; else the recording's");
   app.add_option("--noise", o->noise, "densities, Kalibr's imu.yaml or an ASL sensor.yaml");
   app.add_option("--knot", o->how.knot_s, "distance of the spline's knots, s; else by the motion")
       ->check(CLI::Range(0.002, 0.2));

@@ -9,8 +9,6 @@
 namespace pirvs::tools {
 namespace {
 
-constexpr int kTagsMax = 587;  // of the family 36h11
-
 double number(const YAML::Node& root, const std::string& path, const char* key, double least,
               double most) {
   double value = 0;

@@ -16,6 +16,8 @@
 
 namespace pirvs::tools {
 
+inline constexpr int kTagsMax = 587;  // of the family 36h11
+
 struct Target {
   int columns = 6;
   int rows = 6;

@@ -10,14 +10,15 @@
 namespace pirvs::tools {
 namespace {
 
-struct Corner {
-  int id = 0;
-  Vec2 uv;
-};
+TimeNs least_step(const std::vector<View>& views) {
+  TimeNs least = 1'000'000'000;
+  for (size_t i = 1; i < views.size(); ++i) least = std::min(least, views[i].t - views[i - 1].t);
+  return least;
+}
 
-// Whole tags of an image. A corner that is there twice is a reflection or a second board: which one
-// is ours nobody knows, so that tag goes.
-View whole_tags(TimeNs t, std::vector<Corner>& corners, size_t& doubled, size_t& partial) {
+}  // namespace
+
+View whole_tags(TimeNs t, std::vector<Corner>& corners, TagCounts& counts) {
   std::sort(corners.begin(), corners.end(),
             [](const Corner& a, const Corner& b) { return a.id < b.id; });
   View out;
@@ -31,9 +32,9 @@ View whole_tags(TimeNs t, std::vector<Corner>& corners, size_t& doubled, size_t&
       sum += corners[end].uv;
     }
     if (twice) {
-      ++doubled;
+      ++counts.doubled;
     } else if (end - i < 4) {
-      ++partial;
+      ++counts.partial;
     } else {
       out.tags.push_back({tag, sum / 4});
     }
@@ -41,18 +42,11 @@ View whole_tags(TimeNs t, std::vector<Corner>& corners, size_t& doubled, size_t&
   return out;
 }
 
-TimeNs least_step(const std::vector<View>& views) {
-  TimeNs least = 1'000'000'000;
-  for (size_t i = 1; i < views.size(); ++i) least = std::min(least, views[i].t - views[i - 1].t);
-  return least;
-}
-
-}  // namespace
-
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
                              InputLog& log) {
   std::map<TimeNs, std::vector<Corner>> found;
-  size_t unknown = 0, outside = 0, doubled = 0, partial = 0, rows = 0;
+  size_t unknown = 0, outside = 0, rows = 0;
+  TagCounts counts;
   TextTable table(path, "corners");
   while (table.next()) {
     const auto t = table.stamp();
@@ -84,13 +78,13 @@ std::vector<View> read_views(const std::string& path, const Target& target, Imag
   }
   std::vector<View> out;
   for (auto& [t, corners] : found) {
-    View view = whole_tags(t, corners, doubled, partial);
+    View view = whole_tags(t, corners, counts);
     if (!view.tags.empty()) out.push_back(std::move(view));
   }
   log.count("corners_with_an_unknown_id", unknown);
   log.count("corners_outside_the_image", outside);
-  log.count("tags_with_corners_missing", partial);
-  log.count("tags_seen_twice", doubled);
+  log.count("tags_with_corners_missing", counts.partial);
+  log.count("tags_seen_twice", counts.doubled);
   return out;
 }
 

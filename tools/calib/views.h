@@ -16,6 +16,11 @@
 
 namespace pirvs::tools {
 
+struct Corner {
+  int id = 0;
+  Vec2 uv;
+};
+
 struct SeenTag {
   int id = 0;
   Vec2 uv;  // the mean of its four corners (tag_image.h says why)
@@ -30,6 +35,13 @@ struct ImageSize {
   int width = 0;
   int height = 0;
 };
+
+// Whole tags of an image; corners are put in order. One that is there twice is a reflection or a
+// second board: which one is ours nobody knows, so that tag goes.
+struct TagCounts {
+  size_t doubled = 0, partial = 0;
+};
+View whole_tags(TimeNs t, std::vector<Corner>& corners, TagCounts& counts);
 
 std::vector<View> read_views(const std::string& path, const Target& target, ImageSize size,
                              InputLog& log);

@@ -1,18 +1,27 @@
-#include "tools/calib/imu_camera.h"
-
+// Factory calibration as a whole.
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdlib>
+#include <filesystem>
+#include <opencv2/imgcodecs.hpp>
 
 #include "core/math/so3.h"
+#include "tools/calib/board_pose.h"
+#include "tools/calib/imu_camera.h"
+#include "tools/calib/tag_detector.h"
 #include "tools/calib/test_device.h"
-#include "tools/dataset/input_error.h"
+#include "tools/dataset/calibration_file.h"
 
 namespace pirvs::tools {
 namespace {
 
 constexpr double kDegrees = 180 / M_PI;
+
+std::string shared_data() {
+  const char* const at = std::getenv("PIRVS_DATA");
+  return at != nullptr ? at : "../shared/data";
+}
 
 struct Found {
   CameraResult cameras;
@@ -102,16 +111,53 @@ void expect_truth(const TestDevice& device, const Found& found) {
 }
 
 // PIRVS_CALIB_DEVICES=20 for the long run.
-TEST(imu_camera, devices_by_seed_are_found) {
+TEST(calibration, devices_by_seed_are_found) {
   const char* const more = std::getenv("PIRVS_CALIB_DEVICES");
   const int devices = more != nullptr ? std::atoi(more) : 1;
   TestRecording how;
   how.duration_s = more != nullptr ? 45 : 15;
-  how.frames_hz = more != nullptr ? 30 : 15;
+  how.frames_hz = more != nullptr ? 30 : 12;
   for (int seed = 1; seed <= devices; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     TestDevice device(static_cast<uint64_t>(seed));
     expect_truth(device, calibrate(device, how));
+  }
+}
+
+// One real pair of images of EuRoC's board, against the published lens: corners of each image at
+// the pose that fits them best.
+TEST(calibration, corners_of_a_real_pair_are_those_of_a_board) {
+  const std::string data = shared_data();
+  const std::string stamp = "_1403709395937837056.png";
+  if (!std::filesystem::exists(data + "/april_euroc/cam0" + stamp)) {
+    GTEST_SKIP() << "the images of the board are not on this machine";
+  }
+  const Target target = read_target(data + "/april_euroc/target.yaml");
+  InputLog log;
+  const Rig rig = read_asl_rig(data + "/euroc_mh01_clip/mav0", {}, log);
+  TagDetector detector(target);
+  for (int c = 0; c < 2; ++c) {
+    const std::string path = data + "/april_euroc/cam" + std::to_string(c) + stamp;
+    TagDetector::Dropped dropped;
+    std::vector<Corner> corners = detector.find(cv::imread(path, cv::IMREAD_GRAYSCALE), dropped);
+    EXPECT_GE(corners.size(), 4u * 34);
+    const std::vector<Corner> seen = corners;
+    TagCounts counts;
+    const View view = whole_tags(0, corners, counts);
+    const Camera& camera = rig.calibration.camera[c];
+    BoardPose pose;
+    ASSERT_TRUE(find_pose(camera, target, view, pose));
+    double squares = 0;
+    for (const Corner& corner : seen) {
+      Vec2 uv;
+      ASSERT_TRUE(camera.project(pose.T_CT * target.p_T(corner.id), uv));
+      squares += (uv - corner.uv).squaredNorm();
+    }
+    const double rms_px = std::sqrt(squares / double(2 * seen.size()));
+    std::printf("cam%d: %zu tags, corners %.3f px an axis, tags %.3f px\n", c, view.tags.size(),
+                rms_px, pose.rms_px);
+    EXPECT_LT(rms_px, 0.2);
+    EXPECT_LT(pose.rms_px, 0.15);
   }
 }
 
