@@ -4,14 +4,22 @@
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <functional>
 #include <opencv2/imgcodecs.hpp>
 
 #include "core/math/so3.h"
+#include "tests/recordings.h"
+#include "tests/replay.h"
+#include "tools/calib/board_images.h"
 #include "tools/calib/board_pose.h"
+#include "tools/calib/device_calibration.h"
+#include "tools/calib/flight_check.h"
 #include "tools/calib/imu_camera.h"
 #include "tools/calib/tag_detector.h"
+#include "tools/calib/test_board.h"
 #include "tools/calib/test_device.h"
 #include "tools/dataset/calibration_file.h"
+#include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
 namespace {
@@ -37,9 +45,7 @@ Found calibrate(TestDevice& device, const TestRecording& how) {
   out.cameras = calibrate_cameras(device.target, shots, 2, options);
   ImuCameraOptions motion;
   motion.noise = device.noise;
-  out.result =
-      calibrate_imu_camera(out.cameras.target, out.cameras.rig, out.cameras.adjustment.sigma_px,
-                           out.cameras.all, device.samples(how), motion);
+  out.result = calibrate_imu_camera(out.cameras, device.samples(how), motion);
   return out;
 }
 
@@ -159,6 +165,150 @@ TEST(calibration, corners_of_a_real_pair_are_those_of_a_board) {
     EXPECT_LT(rms_px, 0.2);
     EXPECT_LT(pose.rms_px, 0.15);
   }
+}
+
+// The clip with the calibration in question.
+FlightVerdict check_clip(const std::function<void(Calibration&)>& bump) {
+  static const std::vector<FlightLook> looks = follow(*systems::clip());
+  Calibration calibration = systems::clip()->calibration;
+  bump(calibration);
+  const FlightVerdict out = judge(looks, systems::clip()->imu, calibration);
+  std::printf("%zu looks, %zu points, %.2f px\n", out.looks, out.points, out.residual_px);
+  for (const FlightFinding& f : out.findings) {
+    std::printf("  %-42s %8.3f +- %.3f %s%s\n", f.what.c_str(), f.value, f.sigma, f.unit.c_str(),
+                f.bumped() ? "  BUMPED" : "");
+  }
+  return out;
+}
+
+TEST(calibration, a_bump_is_seen_in_any_flight) {
+  if (systems::clip() == nullptr) GTEST_SKIP() << "the real recording is not on this machine";
+  constexpr double kBump_rad = 0.3 * M_PI / 180;
+  EXPECT_FALSE(check_clip([](Calibration&) {}).bumped());
+  for (int axis = 0; axis < 3; ++axis) {
+    const Mat3 turn = so3_exp(kBump_rad * Vec3::Unit(axis));
+    EXPECT_TRUE(check_clip([&](Calibration& c) {
+                  c.camera[1].T_BC.R = c.camera[1].T_BC.R * turn;
+                }).bumped())
+        << "right camera, " << axis;
+    EXPECT_TRUE(check_clip([&](Calibration& c) {
+                  for (Camera& camera : c.camera)
+                    camera.T_BC = SE3{turn, Vec3::Zero()} * camera.T_BC;
+                }).bumped())
+        << "both, " << axis;
+  }
+  EXPECT_TRUE(check_clip([](Calibration& c) {
+                for (Camera& camera : c.camera) camera.fx *= 1.01, camera.fy *= 1.01;
+              }).bumped());
+  EXPECT_TRUE(check_clip([](Calibration& c) { c.camera_time_offset_ns += 5'000'000; }).bumped());
+}
+
+// What was found is taken out at the door: a flight whose IMU has scale, misalignment and bias.
+TEST(calibration, the_stack_takes_the_imus_errors_out) {
+  const Recording& ideal = systems::simulated(systems::SimulatedDevice::kIronsides);
+  Recording crooked = ideal;
+  ImuIntrinsics& found = crooked.calibration.imu_intrinsics;
+  found.gyro << 1.01, 0.004, -0.005, 0.003, 0.992, 0.006, -0.004, 0.005, 1.008;
+  found.accel << 0.99, 0, 0, 0.006, 1.009, 0, -0.007, 0.005, 1.01;
+  found.b_g = Vec3(0.02, -0.03, 0.01);
+  found.b_a = Vec3(0.2, -0.1, 0.3);
+  for (ImuSample& sample : crooked.imu) {
+    sample.w_B = found.gyro * sample.w_B + found.b_g;
+    sample.f_B = found.accel * sample.f_B + found.b_a;
+  }
+  Recording unknown = crooked;
+  unknown.calibration.imu_intrinsics = {};
+  const systems::Replay was = systems::replay(ideal), with = systems::replay(crooked),
+                        without = systems::replay(unknown);
+  systems::print("ideal IMU", was);
+  systems::print("errors known", with);
+  systems::print("errors unknown", without);
+  EXPECT_LT(with.result.evaluation.ate_rmse_m, 1.1 * was.result.evaluation.ate_rmse_m);
+  EXPECT_GT(without.result.evaluation.ate_rmse_m, 1.5 * was.result.evaluation.ate_rmse_m);
+}
+
+// One recording in, pass or fail out; what would fail by name.
+TEST(calibration, a_device_passes_or_is_refused_by_name) {
+  TestDevice device(4);
+  TestRecording how;
+  how.duration_s = 15, how.frames_hz = 12;
+  DeviceRecording in;
+  in.target = device.target;
+  in.how.model = CameraModel::kKannalaBrandt;
+  in.how.size = {device.rig.camera[0].width, device.rig.camera[0].height};
+  in.shots = device.shots(how);
+  in.imu = device.samples(how);
+  in.motion.noise = device.noise;
+  const auto refusal = [](const DeviceRecording& recording) -> std::string {
+    try {
+      (void)calibrate_device(recording, {});
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const auto has = [](const std::string& text, const char* part) {
+    return text.find(part) != std::string::npos;
+  };
+  DeviceRecording doubled = in, holes = in, empty = in;
+  doubled.tags_twice = 4000;
+  EXPECT_TRUE(has(refusal(doubled), "in the image twice"));
+  std::vector<Shot> left;
+  for (size_t i = 0; i < holes.shots.size(); ++i) {
+    if (i % 9 < 5) left.push_back(in.shots[i]);
+  }
+  holes.shots = left;
+  EXPECT_TRUE(has(refusal(holes), "frames are missing"));
+  empty.shots.clear();
+  EXPECT_TRUE(has(refusal(empty), "never in view"));
+
+  const DeviceResult result = calibrate_device(in, {});
+  for (const DeviceCheck& check : result.checks) {
+    EXPECT_TRUE(check.passed()) << check.what << " " << check.value;
+  }
+  EXPECT_TRUE(result.warnings.empty());
+  EXPECT_FALSE((DeviceCheck{"a number that is none", "", NAN, 1}.passed()));
+}
+
+// From pixels to files: images drawn along a hand's motion, found again. Long.
+TEST(calibration, a_device_is_calibrated_from_images) {
+  if (std::getenv("PIRVS_CALIB_DEVICES") == nullptr) {
+    GTEST_SKIP() << "set PIRVS_CALIB_DEVICES: it draws some 200 images";
+  }
+  TestDevice device(7);
+  TestRecording how;
+  how.duration_s = 13, how.frames_hz = 8;
+  const std::string folder = systems::scratch_folder("board");
+  const TestBoard board(device.target);
+  uint64_t seed = 0;
+  for (const Shot& shot : device.shots(how)) {
+    const SE3 T_C0T = device.pose(how, shot.t);
+    for (int c = 0; c < 2; ++c) {
+      const std::string data = folder + "/mav0/cam" + std::to_string(c) + "/data";
+      std::filesystem::create_directories(data);
+      const SE3 T_CT = c == 0 ? T_C0T : device.rig.T_C1C0 * T_C0T;
+      cv::imwrite(data + "/" + std::to_string(shot.t) + ".pgm",
+                  board.draw(device.rig.camera[c], T_CT, {}, ++seed));
+    }
+  }
+  InputLog log;
+  BoardImages found = find_boards(folder, device.target, 20, log);
+  std::vector<View> views[2];
+  for (int c = 0; c < 2; ++c) {
+    TagCounts counts;
+    for (ImageCorners& image : found.images[c]) {
+      views[c].push_back(whole_tags(image.t, image.corners, counts));
+    }
+  }
+  CameraOptions options;
+  options.model = CameraModel::kKannalaBrandt;
+  options.size = found.size;
+  Found out;
+  out.cameras = calibrate_cameras(device.target, pair_views(views[0], views[1]), 2, options);
+  ImuCameraOptions motion;
+  motion.noise = device.noise;
+  out.result = calibrate_imu_camera(out.cameras, device.samples(how), motion);
+  expect_truth(device, out);
 }
 
 }  // namespace

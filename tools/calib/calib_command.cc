@@ -9,8 +9,9 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kSteps[] = {&kCalibTargetCommand, &kCalibCornersCommand, &kCalibCamerasCommand,
-                                 &kCalibImuCameraCommand, &kCalibNoiseCommand};
+const Command* const kSteps[] = {
+    &kCalibTargetCommand, &kCalibCornersCommand, &kCalibCamerasCommand, &kCalibImuCameraCommand,
+    &kCalibNoiseCommand,  &kCalibDeviceCommand,  &kCalibCheckCommand};
 
 std::function<int()> declare(CLI::App& app) {
   app.require_subcommand(1);

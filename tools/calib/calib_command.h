@@ -12,5 +12,7 @@ extern const Command kCalibCornersCommand;
 extern const Command kCalibCamerasCommand;
 extern const Command kCalibImuCameraCommand;
 extern const Command kCalibNoiseCommand;
+extern const Command kCalibDeviceCommand;
+extern const Command kCalibCheckCommand;
 
 }  // namespace pirvs::tools

@@ -247,6 +247,12 @@ bool adjust(Target& target, bool bent, CameraRig& rig, std::vector<PosedShot>& s
     }
     if (!problem.HasParameterBlock(blocks.back())) return false;
     if (!marginal_covariance(problem, blocks, out.covariance)) return false;
+    for (Vec3& shift : x.shift_T) {
+      if (problem.HasParameterBlock(shift.data())) problem.SetParameterBlockConstant(shift.data());
+    }
+    Eigen::MatrixXd known_board;
+    if (!marginal_covariance(problem, blocks, known_board)) return false;
+    out.by_board = sigma_px * sigma_px * (out.covariance - known_board);
     out.covariance *= sigma_px * sigma_px;
   }
   out.sigma_px = sigma_px;

@@ -40,6 +40,7 @@ struct Adjustment {
   size_t tags[2] = {0, 0};
   size_t outliers = 0;
   Eigen::MatrixXd covariance;
+  Eigen::MatrixXd by_board;  // how much of it comes from not knowing the board's shape
 };
 
 // bent: tags may be off their places on a flat board, and target.shift_T says how far.

@@ -27,6 +27,7 @@ void read_images(const CornerOptions& options, CornerInput& out) {
   InputLog log;
   BoardImages found = find_boards(options.sequence, out.target, options.rate_hz, log);
   print_log(options.sequence, log);
+  out.tags_twice = log.counted("tags_seen_twice");
   out.how.size = found.size;
   out.cameras = found.cameras;
   std::vector<View> views[2];
@@ -99,6 +100,7 @@ CornerInput read_corner_input(const CornerOptions& options) {
     InputLog log;
     views[c] = read_views(options.files[c], out.target, out.how.size, log);
     print_log(options.files[c], log);
+    out.tags_twice += log.counted("tags_seen_twice");
   }
   out.shots = pair_views(views[0], views[1]);
   return out;

@@ -27,6 +27,7 @@ struct CornerInput {
   Target target;
   std::vector<Shot> shots;
   int cameras = 1;
+  size_t tags_twice = 0;  // dropped: the image has them twice
   CameraOptions how;
 };
 

@@ -1,5 +1,6 @@
 #include "tools/calib/imu_camera.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -48,6 +49,21 @@ void name_unexcited(const ImuCameraResult& r, bool imu_intrinsics, std::vector<s
     }
     if (r.camera[c].sigma[6] > 1e-3) out.push_back(name + " time offset");
   }
+}
+
+// The lenses' share of the board's error, and what follows it by regression on the lenses.
+void add_board(const CameraResult& cameras, Eigen::MatrixXd& P) {
+  const int lenses = kLensSize * cameras.rig.cameras;
+  Eigen::MatrixXd of_lenses(P.rows(), lenses);
+  for (int c = 0; c < cameras.rig.cameras; ++c) {
+    of_lenses.middleCols(kLensSize * c, kLensSize) = P.middleCols(kPerCamera * c + 8, kLensSize);
+  }
+  Eigen::MatrixXd L(lenses, lenses);
+  for (int c = 0; c < cameras.rig.cameras; ++c) {
+    L.middleRows(kLensSize * c, kLensSize) = of_lenses.middleRows(kPerCamera * c + 8, kLensSize);
+  }
+  const Eigen::MatrixXd gain = L.ldlt().solve(of_lenses.transpose()).transpose();
+  P += gain * cameras.adjustment.by_board.topLeftCorner(lenses, lenses) * gain.transpose();
 }
 
 void take_sigmas(const Eigen::MatrixXd& P, bool imu_intrinsics, ImuCameraResult& out) {
@@ -105,12 +121,12 @@ ImuCameraResult collect(const MotionProblem& problem, const CameraRig& rig) {
 
 }  // namespace
 
-ImuCameraResult calibrate_imu_camera(const Target& target, const CameraRig& rig, double sigma_px,
-                                     const std::vector<PosedShot>& shots,
-                                     const std::vector<ImuSample>& imu,
+ImuCameraResult calibrate_imu_camera(const CameraResult& cameras, const std::vector<ImuSample>& imu,
                                      const ImuCameraOptions& options) {
+  const std::vector<PosedShot>& shots = cameras.all;
+  const double sigma_px = cameras.adjustment.sigma_px;
   const MotionStart start = start_motion(shots, imu);
-  MotionProblem problem(target, rig, shots, imu, options);
+  MotionProblem problem(cameras.target, cameras.rig, shots, imu, options);
   const bool automatic = options.knot_s <= 0;
   problem.start(start, automatic ? kCoarse_s : options.knot_s);
   // The start is no better than centimetres: the first round trusts the IMU less than its
@@ -125,13 +141,14 @@ ImuCameraResult calibrate_imu_camera(const Target& target, const CameraRig& rig,
     weights = next_weights(problem, sigma_px);
   }
   solve(problem, weights, 10);
-  ImuCameraResult out = collect(problem, rig);
+  ImuCameraResult out = collect(problem, cameras.rig);
   out.frames = shots.size();
   Eigen::MatrixXd P;
   if (!problem.covariance(P)) {
     throw InputError("the motion leaves the calibration open", "the recording",
                      "turn and move the device along all three axes, with the board in view");
   }
+  add_board(cameras, P);
   take_sigmas(P, options.imu_intrinsics, out);
   name_unexcited(out, options.imu_intrinsics, out.unexcited);
   return out;

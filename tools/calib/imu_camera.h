@@ -1,7 +1,8 @@
 // What    Calibrates cameras against the IMU: where they stand, when they look, and the IMU itself.
-// In      The rig as `calibrate_cameras` left it, with its covariance as prior of nothing: lenses
-//         are estimated again, from all shots, together with the motion. Noise densities of the
-//         IMU.
+// In      Rig, board and shots as `calibrate_cameras` left them, with its covariance as prior of
+//         nothing: lenses are estimated again, from all shots, together with the motion. The board
+//         is not: what its shape's error does to lenses there is added to the sigmas here, and to
+//         all that goes with lenses. Noise densities of the IMU.
 // Out     Everything with a sigma; what the motion did not excite keeps its prior and is named.
 // Frames  B: the accelerometer; T: the board. measured = matrix * true + bias; the accelerometer's
 //         matrix is lower triangular, which is what fixes B's axes.
@@ -54,9 +55,7 @@ struct ImuCameraResult {
   std::vector<std::string> unexcited;        // what kept its prior
 };
 
-ImuCameraResult calibrate_imu_camera(const Target& target, const CameraRig& rig, double sigma_px,
-                                     const std::vector<PosedShot>& shots,
-                                     const std::vector<ImuSample>& imu,
+ImuCameraResult calibrate_imu_camera(const CameraResult& cameras, const std::vector<ImuSample>& imu,
                                      const ImuCameraOptions& options);
 
 }  // namespace pirvs::tools

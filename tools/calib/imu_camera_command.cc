@@ -80,13 +80,13 @@ int run(const Options& o) {
   const CameraResult cameras =
       calibrate_cameras(input.target, input.shots, input.cameras, input.how);
   print_cameras(cameras);
-  const ImuCameraResult result = calibrate_imu_camera(
-      cameras.target, cameras.rig, cameras.adjustment.sigma_px, cameras.all, imu, how);
+  const ImuCameraResult result = calibrate_imu_camera(cameras, imu, how);
   print(result);
   if (o.out.empty()) return kExitDone;
   const double offset_s[2] = {result.camera[0].offset_s, result.camera[1].offset_s};
-  write_sensor_files(o.out, result.rig, offset_s, &how.noise);
-  write_camchain(o.out, result.rig, offset_s, &how.noise);
+  const FoundImu found{how.noise, intrinsics_of(result)};
+  write_sensor_files(o.out, result.rig, offset_s, &found);
+  write_camchain(o.out, result.rig, offset_s, &found);
   write_json(o.out + "/calibration.json",
              {{"cameras", camera_json(cameras)}, {"imu_camera", imu_json(result)}});
   std::printf("written: %s\n", o.out.c_str());

@@ -7,6 +7,7 @@
 
 #include "core/math/so3.h"
 #include "modules/imu/gravity.h"
+#include "tools/calib/board_scale.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -147,6 +148,17 @@ void check(const Fit& best, double f_m_s2) {
   }
 }
 
+void check_board_size(const std::vector<PosedShot>& shots, const std::vector<ImuSample>& imu,
+                      const MotionStart& start) {
+  constexpr double kOff_max = 0.04;
+  double scale = 1, sigma = 0;
+  if (!board_scale(shots, imu, start, scale, sigma)) return;
+  if (std::abs(scale - 1) < std::max(kOff_max, 4 * sigma)) return;
+  throw InputError("the board is " + std::to_string(int(std::lround(100 * scale))) +
+                       " % of the size that its yaml says, by the accelerometer",
+                   "the target", "measure a tag, edge to edge, and correct tagSize");
+}
+
 }  // namespace
 
 MotionStart start_motion(const std::vector<PosedShot>& shots, const std::vector<ImuSample>& imu) {
@@ -175,6 +187,7 @@ MotionStart start_motion(const std::vector<PosedShot>& shots, const std::vector<
   double f_m_s2 = 0;
   out.gravity_T = gravity(shots, imu, out, f_m_s2);
   check(best, f_m_s2);
+  check_board_size(shots, imu, out);
   return out;
 }
 

@@ -117,7 +117,7 @@ int run(const Options& o) {
   std::printf("accelerometer  %.4g m/s^2/sqrt(Hz), walk %.4g m/s^3/sqrt(Hz)\n", accel.density,
               accel.walk);
   if (o.out.empty()) return kExitDone;
-  write_imu_yaml(o.out + "/imu.yaml", noise);
+  write_imu_yaml(o.out + "/imu.yaml", {noise, {}});
   std::ofstream page(o.out + "/noise.html");
   page << html_page("IMU noise", "<header><div><h1>IMU noise</h1><div class=sub>" +
                                      html_escape(o.in) + "</div></div></header>" +

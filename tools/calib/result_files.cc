@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "modules/recorder/sensor_yaml.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -29,6 +30,7 @@ class Text {
     va_end(args);
     file_ << text;
   }
+  void put(const char* text) { file_ << text; }
   void finish() {
     file_.close();
     if (!file_) throw InputError("cannot write", path_, "check space and permissions");
@@ -39,13 +41,6 @@ class Text {
   std::ofstream file_;
 };
 
-void print_noise(Text& file, const ImuNoise& noise) {
-  file.print("gyroscope_noise_density: %.6g\ngyroscope_random_walk: %.6g\n", noise.gyro_noise,
-             noise.gyro_walk);
-  file.print("accelerometer_noise_density: %.6g\naccelerometer_random_walk: %.6g\n",
-             noise.accel_noise, noise.accel_walk);
-}
-
 void print_rows(Text& file, const char* key, const SE3& T) {
   file.print("  %s:\n", key);
   for (int i = 0; i < 3; ++i) {
@@ -54,13 +49,13 @@ void print_rows(Text& file, const char* key, const SE3& T) {
   file.print("  - [0.0, 0.0, 0.0, 1.0]\n");
 }
 
-void print_lens(Text& file, const Camera& camera, const char* indent, const char* model,
-                const char* coefficients) {
+void print_lens(Text& file, const Camera& camera) {
+  const char* const indent = "  ";
   file.print("%scamera_model: pinhole\n%sintrinsics: [%.12g, %.12g, %.12g, %.12g]\n", indent,
              indent, camera.fx, camera.fy, camera.cx, camera.cy);
-  file.print("%sdistortion_model: %s\n", indent, model);
-  file.print("%s%s: [%.12g, %.12g, %.12g, %.12g]\n", indent, coefficients, camera.d[0], camera.d[1],
-             camera.d[2], camera.d[3]);
+  file.print("%sdistortion_model: %s\n", indent, model_name(camera.model));
+  file.print("%sdistortion_coeffs: [%.12g, %.12g, %.12g, %.12g]\n", indent, camera.d[0],
+             camera.d[1], camera.d[2], camera.d[3]);
   file.print("%sresolution: [%d, %d]\n", indent, camera.width, camera.height);
 }
 
@@ -99,49 +94,44 @@ const char* model_name(CameraModel model) {
 }
 
 void write_sensor_files(const std::string& folder, const CameraRig& rig, const double* offset_s,
-                        const ImuNoise* noise) {
+                        const FoundImu* imu) {
   for (int c = 0; c < rig.cameras; ++c) {
-    const Camera& camera = rig.camera[c];
+    ::pirvs::Text<4096> text;
+    put_camera_yaml(text, rig.camera[c], from_seconds(offset_s[c]));
     Text file(folder + "/mav0/cam" + std::to_string(c) + "/sensor.yaml");
-    file.print("sensor_type: camera\ncomment: pirvs calib\nT_BS:\n  cols: 4\n  rows: 4\n  data: [");
-    const SE3& T = camera.T_BC;
-    for (int i = 0; i < 3; ++i) {
-      file.print("%.15g, %.15g, %.15g, %.15g,\n         ", T.R(i, 0), T.R(i, 1), T.R(i, 2), T.p[i]);
-    }
-    file.print("0.0, 0.0, 0.0, 1.0]\n");
-    const bool radtan = camera.model == CameraModel::kPinholeRadtan;
-    print_lens(file, camera, "", radtan ? "radial-tangential" : "equidistant",
-               "distortion_coefficients");
-    file.print("timeshift_cam_imu: %.9f\n", offset_s[c]);
+    file.put(text.c_str());
     file.finish();
   }
-  if (noise == nullptr) return;
+  if (imu == nullptr) return;
+  ::pirvs::Text<4096> text;
+  put_imu_yaml(text, imu->noise, imu->intrinsics);
   Text file(folder + "/mav0/imu0/sensor.yaml");
-  file.print("sensor_type: imu\ncomment: pirvs calib\nrate_hz: %g\n", noise->rate_hz);
-  print_noise(file, *noise);
+  file.put(text.c_str());
   file.finish();
 }
 
 void write_camchain(const std::string& folder, const CameraRig& rig, const double* offset_s,
-                    const ImuNoise* noise) {
-  Text file(folder + (noise != nullptr ? "/camchain-imucam.yaml" : "/camchain.yaml"));
+                    const FoundImu* imu) {
+  Text file(folder + (imu != nullptr ? "/camchain-imucam.yaml" : "/camchain.yaml"));
   for (int c = 0; c < rig.cameras; ++c) {
     const Camera& camera = rig.camera[c];
     file.print("cam%d:\n", c);
-    if (noise != nullptr) print_rows(file, "T_cam_imu", camera.T_BC.inverse());
+    if (imu != nullptr) print_rows(file, "T_cam_imu", camera.T_BC.inverse());
     if (c == 1) print_rows(file, "T_cn_cnm1", rig.T_C1C0);
-    print_lens(file, camera, "  ", model_name(camera.model), "distortion_coeffs");
-    if (noise != nullptr) file.print("  timeshift_cam_imu: %.9f\n", offset_s[c]);
+    print_lens(file, camera);
+    if (imu != nullptr) file.print("  timeshift_cam_imu: %.9f\n", offset_s[c]);
     file.print("  rostopic: /cam%d/image_raw\n", c);
   }
   file.finish();
-  if (noise != nullptr) write_imu_yaml(folder + "/imu.yaml", *noise);
+  if (imu != nullptr) write_imu_yaml(folder + "/imu.yaml", *imu);
 }
 
-void write_imu_yaml(const std::string& path, const ImuNoise& noise) {
+void write_imu_yaml(const std::string& path, const FoundImu& imu) {
   Text file(path);
-  print_noise(file, noise);
-  file.print("update_rate: %g\nrostopic: /imu0\n", noise.rate_hz);
+  ::pirvs::Text<4096> text;
+  put_imu_yaml(text, imu.noise, imu.intrinsics);
+  file.put(text.c_str());
+  file.print("update_rate: %g\nrostopic: /imu0\n", imu.noise.rate_hz);
   file.finish();
 }
 
@@ -173,6 +163,8 @@ Json camera_json(const CameraResult& result) {
   }
   return out;
 }
+
+ImuIntrinsics intrinsics_of(const ImuCameraResult& r) { return {r.gyro, r.accel, r.b_g, r.b_a}; }
 
 Json imu_json(const ImuCameraResult& r) {
   Json out;

@@ -12,6 +12,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 
+#include "modules/imu/imu_intrinsics.h"
 #include "tools/calib/cameras.h"
 #include "tools/calib/imu_camera.h"
 
@@ -19,13 +20,19 @@ namespace pirvs::tools {
 
 const char* model_name(CameraModel model);  // radtan or equidistant
 
-// offset_s: of each camera; noise: null without an IMU.
-void write_sensor_files(const std::string& folder, const CameraRig& rig, const double* offset_s,
-                        const ImuNoise* noise);
-void write_camchain(const std::string& folder, const CameraRig& rig, const double* offset_s,
-                    const ImuNoise* noise);
+struct FoundImu {
+  ImuNoise noise;
+  ImuIntrinsics intrinsics;
+};
+ImuIntrinsics intrinsics_of(const ImuCameraResult& result);
 
-void write_imu_yaml(const std::string& path, const ImuNoise& noise);
+// offset_s: of each camera; imu: null without one.
+void write_sensor_files(const std::string& folder, const CameraRig& rig, const double* offset_s,
+                        const FoundImu* imu);
+void write_camchain(const std::string& folder, const CameraRig& rig, const double* offset_s,
+                    const FoundImu* imu);
+
+void write_imu_yaml(const std::string& path, const FoundImu& imu);
 
 nlohmann::json camera_json(const CameraResult& result);
 nlohmann::json imu_json(const ImuCameraResult& result);
