@@ -46,7 +46,7 @@ BELOW_TOOLS := -fno-exceptions -fno-rtti
 # ---- commands ----------------------------------------------------------------------------------
 .DEFAULT_GOAL := help
 .PHONY: help all run size prof test test-unit test-system test-emulator test-device nightly fuzz \
-  bench cases trust consistency eval paper check format setup clean FORCE
+  bench cases trust maps consistency eval paper check format setup clean FORCE
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"

@@ -76,12 +76,26 @@ IDL := $(BUILD)/idl
 
 LIBS_TOOLS := -lopencv_calib3d -lopencv_features2d -lopencv_video -lopencv_videoio -lopencv_imgcodecs \
   -lopencv_imgproc -lopencv_core -lyaml-cpp -lsqlite3 -llz4 -lzstd -lbz2 -lgpiod -lddsc \
-  -lceres -lglog -lapriltag -lpthread
+  -lwebsockets -lceres -lglog -lapriltag -lpthread
 LIBS_TEST := -lgtest_main -lgtest $(LIBS_TOOLS) -ljpeg
 LIBS_BENCH := -lbenchmark_main -lbenchmark $(LIBS_TOOLS)
 
 # ---- commands ----------------------------------------------------------------------------------
-all: $(OUT)/pirvs ## build the program, build/host/pirvs
+all: $(OUT)/pirvs view ## build the program, build/host/pirvs, and the page of `pirvs view`
+
+# The page is one file, build/view/view.html, which the program finds beside itself. Its libraries are
+# fetched once. Without npm there is no page, and all else is there.
+.PHONY: view
+VIEW_PAGE := $(BUILD)/view/view.html
+VIEW_MODULES := $(BUILD)/view/node_modules/.package-lock.json
+view: $(VIEW_PAGE) ## build the page of `pirvs view` alone; needs npm
+$(VIEW_MODULES): tools/view/page/package.json tools/view/page/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/view && cp $^ $(BUILD)/view
+	-@cd $(BUILD)/view && npm ci --ignore-scripts --no-audit --no-fund --fetch-retries=1 \
+	  --loglevel=error >/dev/null && touch node_modules/.package-lock.json
+$(VIEW_PAGE): $(wildcard tools/view/page/*) $(VIEW_MODULES)
+	@echo "page $@"
+	@node tools/view/page/build.mjs $(@D) || echo "make: no page for pirvs view: it needs npm and, once, a network"
 
 SIM := $(BUILD)/run/sim
 SEQ ?= $(SIM)
@@ -125,6 +139,13 @@ $(LOG_WRITER): tests/logs/package.json tests/logs/package-lock.json | $(BUILD)/s
 	-@cd $(BUILD)/logs && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
 	-@touch $@
 
+# What drives a browser, fetched once, too.
+VIEW_DRIVER := $(BUILD)/view-test/node_modules/.package-lock.json
+$(VIEW_DRIVER): tests/view/package.json tests/view/package-lock.json | $(BUILD)/setup.stamp
+	@mkdir -p $(BUILD)/view-test && cp $^ $(BUILD)/view-test
+	-@cd $(BUILD)/view-test && npm ci --omit=dev --ignore-scripts --no-audit --no-fund --loglevel=error >/dev/null
+	-@touch $@
+
 # A reader of our topics that shares ROS's definitions of them with ours, and no more.
 ROS2_READER := $(BUILD)/ros2/reader
 $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
@@ -132,7 +153,7 @@ $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
 	@gcc -O1 -Wall -Wextra -I$(IDL) $^ -lddsc -o $@
 
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
-test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(ONE_BY_ONE) ## whole-system replays alone
+test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(VIEW_PAGE) $(VIEW_DRIVER) $(ONE_BY_ONE) ## whole-system replays alone
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) tests/suites $(OUT_TESTED)/system_tests \
 	  --json $(BUILD)/test/system.json $(FILTER_ARG)
@@ -145,6 +166,10 @@ cases: $(OUT)/pirvs ## other people's files: how each case behaves and should
 # Draws its recordings once, 3 GB. T=name those whose name contains it, T=kind=5 a kind.
 trust: $(OUT)/pirvs ## is the pose doubted where it is wrong? a table, and a page; T=name some
 	@tools/trust/trust --pirvs $(OUT)/pirvs --out $(BUILD)/trust $(if $(T),--only $(T)) $(ARGS)
+
+# Rooms of Monday on Tuesday (docs/maps.md).
+maps: $(OUT)/pirvs ## are saved maps found again, and no others? 20 starts, and 20 elsewhere
+	@tools/maps/maps --pirvs $(OUT)/pirvs --out $(BUILD)/maps $(ARGS)
 
 # Golden replays are system tests too. Their values are renewed on purpose alone.
 golden: $(OUT_TESTED)/system_tests ## replays against stored digits; RENEW=1 rewrites tests/golden
@@ -202,7 +227,7 @@ $(DEVICE)/modules/dummy_hcd.c: tests/device/guest/dummy_hcd.patch $(DEVICE)/sour
 
 # All that is fetched besides packages of this machine, 470 MB; else each comes when it is wanted.
 .PHONY: fetch
-fetch: $(LINK_CLIENT) $(LOG_WRITER) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
+fetch: $(LINK_CLIENT) $(LOG_WRITER) $(VIEW_MODULES) $(VIEW_DRIVER) $(DEVICE)/release $(DEVICE)/source/dummy_hcd.c
 	@$(MAKE) -s BOARD=ironsides fetch
 
 CUTS ?= 200

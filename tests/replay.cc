@@ -12,6 +12,7 @@
 #include "board/host/board.h"
 #include "bsp/linux/storage.h"
 #include "core/base/assert.h"
+#include "tools/map/map_files.h"
 #include "tools/run/feed.h"
 
 namespace pirvs::systems {
@@ -66,7 +67,12 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
     AppParams params;
     params.tracking.tracker.estimate_time = options.estimate_time ? 1 : 0;
     params.tracking.wheels.estimate_scale = options.estimate_wheels ? 1 : 0;
+    params.mapping.extend_map = options.extend_map ? 1 : 0;
     app.configure(recording.calibration, params, out.log.sinks());
+    if (!options.load_map.empty()) {
+      tools::read_map_file(options.load_map,
+                           [](const MapSource& from) { return app.load_map(from); });
+    }
     const bool live = options.playback == tools::Playback::kRealTime;
     if (!live) app.replay_inbox(feed.inbox());
     if (!live && options.mapping_lag < 0) app.replay_maps(feed.maps());
@@ -85,6 +91,7 @@ Replay replay(const tools::Recording& recording, const ReplayOptions& options) {
   }
   alarm(0);
   out.log.finish(app);
+  if (!options.save_map.empty()) tools::write_map_file(options.save_map, app.map());
   out.result = make_result(recording, out.log, out.status);
   return out;
 }

@@ -45,7 +45,9 @@ struct ReplayOptions {
   int mapping_lag = -1;  // as --mapping-lag, -1: without
   double camera_latency_s = 0;
   bool estimate_time = false, estimate_wheels = false;
-  std::string record = {};                       // a folder, as --record
+  std::string record = {};                   // a folder, as --record
+  std::string save_map = {}, load_map = {};  // as those of `pirvs run`
+  bool extend_map = true;
   std::function<void(App&)> while_it_runs = {};  // on a thread of its own
 };
 

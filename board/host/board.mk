@@ -1,2 +1,3 @@
 # A PC.
 include make/host.mk
+include make/package.mk

@@ -12,6 +12,7 @@
 #include "board/linux/heap_watch.h"
 #include "board/linux/image_share.h"
 #include "board/linux/input.h"
+#include "board/linux/machine_load.h"
 #include "board/linux/pins.h"
 #include "board/linux/pose_output.h"
 #include "board/linux/recordings.h"
@@ -61,6 +62,7 @@ SerialLink serial;
 RobotLink robot;
 GnssReceiver gnss;
 ImageShare images;
+MachineLoad machine_load;
 Calibration calibration;
 
 volatile sig_atomic_t stop_wanted = 0;
@@ -74,7 +76,23 @@ void on_news(void*, const char* device, const char* what) { say(device, what); }
 
 void on_frame(void*, const FrameReport& report) { poses.frame(report); }
 
+uint32_t map_ticket = 0;  // of the map at the start, plus 1
+
+void load_map() {
+  if (settings.map.text[0] == 0) return;
+  Command load;
+  load.kind = CommandKind::kLoadMap;
+  std::memcpy(load.text, settings.map.text, std::strlen(settings.map.text));
+  const Result<uint32_t> ticket = app.command(load);
+  map_ticket = ticket.ok() ? ticket.value() + 1 : 0;
+}
+
 void on_answer(void*, const Answer& answer) {
+  if (answer.ticket + 1 == map_ticket && answer.status != Status::kOk) {
+    say(settings.map.text, answer.status == Status::kNotFound
+                               ? "no such map yet: it runs without"
+                               : "not a map of this version, or damaged: it runs without");
+  }
   recordings.answer(answer);
   serial.answer(answer);
   robot.answer(answer);
@@ -244,6 +262,8 @@ void for_each_counter_of_device(VisitValue visit, void* context) {
   named("output", "datagrams", poses.sent());
   named("output", "dropped", poses.dropped());
   named("disk", "flushes", recordings.flushes());
+  machine_load.for_each_counter(
+      [](const char* name, uint64_t value) { named("system", name, value); });
   named("heap", "calls", heap::calls());
   named("heap", "calls_after_start", heap::calls_after_start());
 }
@@ -338,8 +358,10 @@ int run() {
     return kExitBadInput;
   }
   if (!start_cameras_trigger()) return kExitBadInput;
+  load_map();
   start_links();
   start_gnss();
+  machine_load.open();
   open_pins();
   if (const char* const why = watchdog.open(settings.watchdog.text, {nullptr, on_news})) {
     say(settings.watchdog.text, why);
@@ -369,6 +391,7 @@ int run() {
   poses.close();
   recordings.stop();
   close_pins();
+  machine_load.close();
   stream_output.close();
   watchdog.close();
   unwire_sensors();

@@ -93,7 +93,7 @@ void SerialLink::answer(const Answer& answer) {
   if (found == end) return;
   *found = 0;
   Text<128> line;
-  put_answer(line, answer.kind, answer.status);
+  put_answer(line, answer);
   say(line);
 }
 
@@ -165,7 +165,7 @@ void SerialLink::command(const Command& command) {
     return;
   }
   Text<128> line;
-  put_answer(line, command.kind, ticket.status());
+  put_answer(line, {0, command.kind, ticket.status(), SE3{}});
   say(line);
 }
 

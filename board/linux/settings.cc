@@ -7,6 +7,7 @@
 #include "board/linux/endpoint_text.h"
 #include "board/linux/link_settings.h"
 #include "board/usb/usb_settings.h"
+#include "modules/door/command.h"
 
 namespace pirvs::board {
 namespace {
@@ -240,6 +241,12 @@ const char* read_sync_in_as(std::string_view value, Settings& out) {
   return read_choice(value, kSyncIns, out.pins.sync_in_is_pps) ? nullptr : "event or pps";
 }
 
+const char* read_map_name(std::string_view value, Settings& out) {
+  const bool name = value.size() < Command::kTextMax && value.find('/') == value.npos;
+  return name ? read_text(value, out.map)
+              : "a name in the folder of records, of 63 letters at most";
+}
+
 const char* read_confidence(std::string_view value, Settings& out) {
   double number = 0;
   if (!read_numbers(value, &number, 1) || number < 0 || number > 1) return "not from 0 to 1";
@@ -331,6 +338,7 @@ constexpr Key kKeys[] = {
      [](std::string_view v, Settings& out) { return read_encoder(v, out.pins.wheel[1]); }},
     {"record", [](std::string_view v, Settings& out) { return read_text(v, out.record); }},
     {"recordings", [](std::string_view v, Settings& out) { return read_text(v, out.recordings); }},
+    {"map", read_map_name},
     {"watchdog", [](std::string_view v, Settings& out) { return read_text(v, out.watchdog); }},
     {"realtime",
      [](std::string_view v, Settings& out) -> const char* {

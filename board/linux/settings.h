@@ -48,6 +48,7 @@
 //           pin.wheel_left = PIN_A, PIN_B        an encoder; pin.wheel_right likewise
 //           record = DIR                         all from the start on, as an ASL folder
 //           recordings = DIR                     instead of record: for those by command, and maps
+//           map = NAME                           loaded at the start, from the folder of records
 //           realtime = yes                       SCHED_FIFO, fixed CPUs, locked memory
 //           watchdog = /dev/watchdog0            of the hardware; systemd's needs no setting
 //           parameter.GROUP.NAME = VALUE         as pirvs params lists them
@@ -105,6 +106,7 @@ struct Settings {
   GnssSettings gnss;
   PinSettings pins;
   SettingText record, recordings;
+  SettingText map;  // loaded at the start
   bool realtime = true;
   SettingText watchdog;
   AppParams params;

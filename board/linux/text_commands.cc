@@ -5,11 +5,12 @@
 
 #include "core/base/number.h"
 #include "core/config/key_values.h"
+#include "core/math/so3.h"
 
 namespace pirvs::board {
 namespace {
 
-constexpr int kWordsMax = 5;  // pose X Y Z YAW
+constexpr int kWordsMax = 7;  // node set NAME X Y Z YAW
 constexpr std::string_view kMap = "map.bin";
 
 struct Words {
@@ -85,17 +86,46 @@ TextRequest read_parameter(const Words& words) {
   return out;
 }
 
-TextRequest read_pose(const Words& words) {
+// Words X Y Z YAW, m and degrees.
+bool read_place(const Words& words, int first, Command& out) {
   constexpr double kDegree_rad = 3.14159265358979323846 / 180;
-  if (words.count == 1) return request(RequestKind::kPose);
   double numbers[4];
-  bool good = words.count == 5;
-  for (int i = 0; good && i < 4; ++i) good = read_number(words.at[1 + i], numbers[i]);
-  if (!good) return bad("pose, or pose X Y Z YAW in m and degrees");
+  for (int i = 0; i < 4; ++i) {
+    if (!read_number(words.at[first + i], numbers[i])) return false;
+  }
+  out.p_WB = Vec3(numbers[0], numbers[1], numbers[2]);
+  out.yaw_rad = numbers[3] * kDegree_rad;
+  return true;
+}
+
+TextRequest read_pose(const Words& words) {
+  constexpr const char* kHow = "pose, or pose X Y Z YAW [SIGMA] in m and degrees";
+  if (words.count == 1) return request(RequestKind::kPose);
   TextRequest out = command(CommandKind::kSetPose);
-  out.command.p_WB = Vec3(numbers[0], numbers[1], numbers[2]);
-  out.command.yaw_rad = numbers[3] * kDegree_rad;
-  return out;
+  double sigma_m = 0;
+  const bool hint = words.count == 6;
+  if (hint && (!read_number(words.at[5], sigma_m) || !(sigma_m > 0))) return bad(kHow);
+  out.command.value = static_cast<float>(sigma_m);
+  if ((words.count == 5 || hint) && read_place(words, 1, out.command)) return out;
+  return bad(kHow);
+}
+
+TextRequest read_node(const Words& words) {
+  constexpr struct {
+    std::string_view word;
+    CommandKind kind;
+  } kDo[] = {{"set", CommandKind::kSetNode},
+             {"get", CommandKind::kGetNode},
+             {"remove", CommandKind::kRemoveNode}};
+  for (const auto& one : kDo) {
+    if (words.count < 3 || words.at[1] != one.word || !is_file_name(words.at[2])) continue;
+    TextRequest out = command(one.kind, words.at[2]);
+    if (words.count == 3) return out;
+    const bool placed = one.kind == CommandKind::kSetNode && words.count == 7;
+    out.command.value = 1;
+    if (placed && read_place(words, 3, out.command)) return out;
+  }
+  return bad("node set NAME [X Y Z YAW], node get|remove NAME");
 }
 
 TextRequest read_poses(const Words& words) {
@@ -120,7 +150,8 @@ constexpr struct {
 
 const char* word(CommandKind kind) {
   static constexpr const char* kWords[] = {"stop",     "reset",    "parameter",    "pose",
-                                           "map save", "map load", "record start", "record stop"};
+                                           "map save", "map load", "record start", "record stop",
+                                           "node set", "node get", "node remove"};
   static_assert(std::size(kWords) == static_cast<size_t>(CommandKind::kCount));
   return kWords[static_cast<size_t>(kind)];
 }
@@ -158,6 +189,7 @@ TextRequest read_request(std::string_view line) {
   }
   if (words.are("map", "save") || words.are("map", "load")) return read_map(words);
   if (words.at[0] == "parameter") return read_parameter(words);
+  if (words.at[0] == "node") return read_node(words);
   if (words.at[0] == "pose") return read_pose(words);
   if (words.at[0] == "poses") return read_poses(words);
   return bad("no such command, see help");
@@ -165,16 +197,24 @@ TextRequest read_request(std::string_view line) {
 
 // ---- answers -----------------------------------------------------------------------------------
 
-void put_answer(TextWriter& out, CommandKind kind, Status status) {
-  out.put(status == Status::kOk ? "ok " : "error ").put(word(kind));
-  if (status != Status::kOk) out.put(": ").put(name(status));
+void put_answer(TextWriter& out, const Answer& answer) {
+  out.put(answer.status == Status::kOk ? "ok " : "error ").put(word(answer.kind));
+  if (answer.status != Status::kOk) {
+    out.put(": ").put(name(answer.status));
+  } else if (answer.kind == CommandKind::kGetNode) {
+    const Vec4 q = quat_xyzw(answer.T_WN.R);
+    for (int i = 0; i < 3; ++i) out.put(' ').fixed(answer.T_WN.p[i], 6);
+    for (int i = 0; i < 4; ++i) out.put(' ').fixed(q[i], 6);
+  }
 }
 
 void put_error(TextWriter& out, const char* why) { out.put("error ").put(why); }
 
 void put_help(TextWriter& out) {
-  out.put("ok help: stop, reset, record start|stop, parameter NAME VALUE, pose, pose X Y Z YAW, ");
-  out.put("map save|load [NAME], counters, poses on|off, help");
+  out.put("ok help: stop, reset, record start|stop, parameter NAME VALUE, pose, ");
+  out.put(
+      "pose X Y Z YAW [SIGMA], map save|load [NAME], node set|get|remove NAME, counters, poses "
+      "on|off, help");
 }
 
 }  // namespace pirvs::board

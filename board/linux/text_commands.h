@@ -6,8 +6,10 @@
 //           record start|stop
 //           parameter NAME VALUE   as pirvs params lists them
 //           pose                   the newest one, as pose lines have it
-//           pose X Y Z YAW         m, degrees: the present pose is that
+//           pose X Y Z YAW [SIGMA] m, degrees: the present pose is that; with SIGMA: a hint where
+//                                  in the loaded map it is
 //           map save|load [NAME]   letters, digits and . _ - in the folder of records; map.bin
+//           node set NAME [X Y Z YAW], node get|remove NAME: named places of the map
 //           counters               all that are not zero
 //           poses on|off           pose lines between the answers
 //           help
@@ -58,7 +60,7 @@ TextRequest read_request(std::string_view line);
 bool is_echo(std::string_view line);
 
 // Without the end of the line.
-void put_answer(TextWriter& out, CommandKind kind, Status status);
+void put_answer(TextWriter& out, const Answer& answer);
 void put_error(TextWriter& out, const char* why);
 void put_help(TextWriter& out);
 

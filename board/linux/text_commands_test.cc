@@ -57,6 +57,9 @@ TEST(TextCommands, ReadsEachCommand) {
   EXPECT_EQ(kind_of("record\tstop"), CommandKind::kStopRecording);
   EXPECT_EQ(kind_of("map save"), CommandKind::kSaveMap);
   EXPECT_EQ(kind_of("map load hall-2.bin"), CommandKind::kLoadMap);
+  EXPECT_EQ(kind_of("node set dock"), CommandKind::kSetNode);
+  EXPECT_EQ(kind_of("node get dock"), CommandKind::kGetNode);
+  EXPECT_EQ(kind_of("node remove dock"), CommandKind::kRemoveNode);
   EXPECT_EQ(read_request("counters").kind, RequestKind::kCounters);
   EXPECT_EQ(read_request("pose").kind, RequestKind::kPose);
   EXPECT_EQ(read_request("help").kind, RequestKind::kHelp);
@@ -78,6 +81,13 @@ TEST(TextCommands, ReadsWhatACommandNeeds) {
   EXPECT_EQ(pose.command.kind, CommandKind::kSetPose);
   EXPECT_EQ(pose.command.p_WB, Vec3(1, -2, 0.5));
   EXPECT_NEAR(pose.command.yaw_rad, 1.5707963, 1e-6);
+  EXPECT_EQ(pose.command.value, 0);
+  EXPECT_EQ(read_request("pose 1 -2 0.5 90 0.25").command.value, 0.25f);
+  const TextRequest node = read_request("node set dock 1 -2 0.5 90");
+  EXPECT_STREQ(node.command.text, "dock");
+  EXPECT_EQ(node.command.p_WB, Vec3(1, -2, 0.5));
+  EXPECT_EQ(node.command.value, 1) << "there";
+  EXPECT_EQ(read_request("node set dock").command.value, 0) << "here";
 }
 
 TEST(TextCommands, RefusesEverythingElseWithAReason) {
@@ -92,7 +102,14 @@ TEST(TextCommands, RefusesEverythingElseWithAReason) {
                                   "parameter " + long_name + " 1",
                                   std::string("pose 1 2 3"),
                                   std::string("pose 1 2 3 x"),
-                                  std::string("pose 1 2 3 4 5"),
+                                  std::string("pose 1 2 3 4 0"),
+                                  std::string("pose 1 2 3 4 5 6"),
+                                  std::string("node"),
+                                  std::string("node set"),
+                                  std::string("node set a/b"),
+                                  std::string("node set a 1 2 3"),
+                                  std::string("node get a 1 2 3 4"),
+                                  std::string("node hide a"),
                                   std::string("poses"),
                                   std::string("poses maybe"),
                                   std::string("map"),
@@ -102,7 +119,7 @@ TEST(TextCommands, RefusesEverythingElseWithAReason) {
                                   "map save " + long_name,
                                   std::string("map save a b"),
                                   std::string("STOP"),
-                                  std::string("a b c d e f g")}) {
+                                  std::string("a b c d e f g h i")}) {
     const TextRequest request = read_request(line);
     EXPECT_EQ(request.kind, RequestKind::kBad) << line;
     EXPECT_NE(request.why, nullptr) << line;
@@ -123,11 +140,15 @@ TEST(TextCommands, IsDeafToItsOwnLines) {
 
 TEST(TextCommands, AnswersInOneLine) {
   Text<256> out;
-  put_answer(out, CommandKind::kSaveMap, Status::kOk);
+  put_answer(out, {1, CommandKind::kSaveMap, Status::kOk, SE3{}});
   EXPECT_STREQ(out.c_str(), "ok map save");
   out.clear();
-  put_answer(out, CommandKind::kStartRecording, Status::kFull);
+  put_answer(out, {2, CommandKind::kStartRecording, Status::kFull, SE3{}});
   EXPECT_STREQ(out.c_str(), "error record start: full");
+  out.clear();
+  put_answer(out, {3, CommandKind::kGetNode, Status::kOk, {Mat3::Identity(), Vec3(1, -2, 0.5)}});
+  EXPECT_STREQ(out.c_str(),
+               "ok node get 1.000000 -2.000000 0.500000 0.000000 0.000000 0.000000 1.000000");
   out.clear();
   put_help(out);
   EXPECT_EQ(std::string(out.c_str()).rfind("ok ", 0), 0u);

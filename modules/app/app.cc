@@ -219,6 +219,10 @@ Step App::tracking_step() {
   output_.fuse(fused);
   fuse_pose(fused);
   check_clocks();
+  if (sinks_.tracked != nullptr) {
+    const DoorFrame& frame = estimator_.frame();
+    sinks_.tracked(sinks_.context, frame.t, frame.images, estimator_.tracker());
+  }
   const TimeNs later = estimator_.correct_time();
   door_.watch().correct(later);
   camera_correction_ += later;

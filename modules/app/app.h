@@ -53,6 +53,9 @@ class App {
   // A recording that is there all at once is held back while this says false (replay_pace.h). Asked
   // on the door's core. Live sensors are never held back.
   void pace(bool (*may_go_on)(const App&)) { may_go_on_ = may_go_on; }
+  // Before start(): the map of an earlier run, where a start looks for its place. Errors as
+  // modules/map/map_file.h; the map is empty then.
+  Status load_map(const MapSource& source) { return estimator_.load_map(0, source); }
   // For tests: each of mapping's results reaches tracking exactly so many frames after the frame
   // that could have it first, however fast mapping is. 0 to MapGate::kLagMax.
   void delay_mapping(int frames) { estimator_.map_gate().configure(frames); }
@@ -159,6 +162,7 @@ class App {
   Inbox inbox_;
   ArrivalSource replayed_;
   Command executing_;
+  SE3 found_;  // by kGetNode
   bool has_command_ = false;
   bool ending_ = false;  // no more is taken from the sensors
   bool held_ = false;    // may_go_on_ said no when it was last asked

@@ -5,6 +5,7 @@
 #include "bsp/api/events.h"
 #include "bsp/api/storage.h"
 #include "core/base/text.h"
+#include "core/math/so3.h"
 #include "modules/app/app.h"
 #include "modules/app/lens_scale.h"
 #include "modules/map/map_file.h"
@@ -18,7 +19,15 @@ Status set_pose(Estimator& estimator, TimeNs t, const Command& command) {
       !(command.yaw_rad >= -kTurn_rad && command.yaw_rad <= kTurn_rad)) {
     return Status::kBadData;
   }
-  return estimator.set_pose(t, command.p_WB, command.yaw_rad);
+  const auto sigma_m = static_cast<double>(command.value);
+  return estimator.set_pose(t, command.p_WB, command.yaw_rad, sigma_m);
+}
+
+// Where it is upright, if it is not here.
+Status set_node(Estimator& estimator, const Command& command) {
+  SE3 T_WN = estimator.tracker().place();
+  if (command.value > 0) T_WN = {so3_exp(Vec3(0, 0, command.yaw_rad)), command.p_WB};
+  return estimator.set_node(command.text, T_WN);
 }
 
 // Written beside the old one and then put in its place: whenever power fails, one of them is whole.
@@ -111,7 +120,7 @@ bool App::command_step() {
   if (status == Status::kEmpty) return false;
   has_command_ = false;
   if (sinks_.answer != nullptr) {
-    sinks_.answer(sinks_.context, {executing_.ticket, executing_.kind, status});
+    sinks_.answer(sinks_.context, {executing_.ticket, executing_.kind, status, found_});
   }
   return true;
 }
@@ -148,7 +157,17 @@ Status App::execute_at_rest(const Command& command) {
     case CommandKind::kSetPose:
       return set_pose(estimator_, door_t_, command);
     case CommandKind::kSaveMap:
+      if (params_.mapping.extend_map < 0.5f) return Status::kStale;  // what is new is not kept
       return save(estimator_.map(), command.text, map_index_);
+    case CommandKind::kSetNode:
+      return set_node(estimator_, command);
+    case CommandKind::kGetNode: {
+      const Result<SE3> pose = estimator_.node_pose(command.text);
+      if (pose.ok()) found_ = pose.value();
+      return pose.status();
+    }
+    case CommandKind::kRemoveNode:
+      return estimator_.remove_node(command.text);
     case CommandKind::kLoadMap:
       return load(estimator_, door_t_, command.text);
     default:

@@ -15,6 +15,9 @@
 
 namespace pirvs {
 
+struct StereoFrame;
+class Tracker;
+
 struct FrameReport {
   TimeNs t = 0;
   bool has_pose = false;
@@ -30,6 +33,9 @@ struct FrameReport {
 struct AppSinks {
   void* context = nullptr;
   void (*frame)(void*, const FrameReport&) = nullptr;
+  // A frame was tracked: for viewers. t: on the IMU's clock. Images and tracker are lent until the
+  // sink returns.
+  void (*tracked)(void*, TimeNs t, const StereoFrame&, const Tracker&) = nullptr;
   void (*health)(void*, TimeNs, HealthState, const char* what) = nullptr;
   // With GNSS, from its first good fix on: after each frame and fix. A late fix changes the pose
   // at the newest time.

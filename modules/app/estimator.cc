@@ -12,6 +12,7 @@ namespace {
 
 // What the health log says of a frame; nullptr: nothing.
 const char* event_of(const FrameResult& result) {
+  if (result.started && result.joined) return "started, recognised the old map";
   if (result.started) return result.started_at_rest ? "started at rest" : "started in motion";
   if (result.joined) return "recognised the old map";
   if (result.closed) return "closed a loop";
@@ -75,7 +76,8 @@ void Estimator::retune(const AppParams& params) {
   configure_tracking();
 }
 
-Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
+Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad, double sigma_m) {
+  if (sigma_m > 0 && tracker_.in_map()) return Status::kStale;
   const SE3 now = tracker_.place();
   const Vec2 heading = now.R.col(0).head<2>();
   constexpr double kVertical = 0.05;  // sine of the angle to the vertical
@@ -88,6 +90,12 @@ Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
       0, 0, 1;
   T.p = p_WB - T.R * now.p;
   const MappingHold hold(*this);
+  if (sigma_m > 0 && tracker_.has_loaded_map()) {
+    tracker_.continue_at(t, T * now, sigma_m);
+    for (Frontend& frontend : frontend_) frontend.reset();
+    tell_health(t, "told where in the map it is");
+    return Status::kOk;
+  }
   mapper_.move_world(T);
   tracker_.move_world(T);
   tell_health(t, "pose set by command");
@@ -96,7 +104,7 @@ Status Estimator::set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad) {
 
 Status Estimator::load_map(TimeNs t, const MapSource& source) {
   const MappingHold hold(*this);
-  rebuild(t, "gave up what ran for a saved map");
+  if (tracker_.counters().frames > 0) rebuild(t, "gave up what ran for a saved map");
   PIRVS_TRY(mapper_.load(source));
   uint32_t sequence = 0;
   uint16_t epoch = 0;
@@ -110,9 +118,14 @@ Status Estimator::load_map(TimeNs t, const MapSource& source) {
   return Status::kOk;
 }
 
+Status Estimator::set_node(const char* name, const SE3& T_WN) {
+  if (!tracker_.running()) return Status::kStale;
+  return pirvs::set_node(mapper_.map(), name, T_WN, tracker_.epoch());
+}
+
 FusedState Estimator::fused() const {
-  FusedState out = {tracker_.state(), tracker_.cov(),     tracker_.health(), tracker_.trust(),
-                    tracker_.epoch(), tracker_.running(), tracker_.at_rest()};
+  FusedState out = {tracker_.state(), tracker_.cov(),    tracker_.health(),  tracker_.trust(),
+                    tracker_.epoch(), tracker_.in_map(), tracker_.running(), tracker_.at_rest()};
   out.trust.resets += resets_before_;
   return out;
 }

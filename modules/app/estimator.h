@@ -20,6 +20,7 @@
 #include "modules/door/door.h"
 #include "modules/frontend/frontend.h"
 #include "modules/map/messages.h"
+#include "modules/map/nodes.h"
 #include "modules/mapping/mapper.h"
 #include "modules/tracking/tracker.h"
 
@@ -50,11 +51,17 @@ class Estimator {
   // Other parameters from now on; what is tracked goes on.
   void retune(const AppParams& params);
   // W moves so that the body, or the place where a start would continue, is at p_WB with this
-  // heading of its x axis. kStale: that axis is vertical, there is no heading.
-  Status set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad);
+  // heading of its x axis. sigma_m > 0, with a loaded map that was not recognised yet: a hint,
+  // W stays and what runs begins anew there. kStale: that axis is vertical, there is no heading; or
+  // a hint where the place is known.
+  Status set_pose(TimeNs t, const Vec3& p_WB, double yaw_rad, double sigma_m = 0);
   // In place of all that is known; a start looks for its place there. Errors as load_map(): the map
   // is empty then.
   Status load_map(TimeNs t, const MapSource& source);
+  // Named places (modules/map/nodes.h), in the epoch of the pose now. kStale: there is none.
+  Status set_node(const char* name, const SE3& T_WN);
+  Result<SE3> node_pose(const char* name) const { return pirvs::node_pose(map(), name); }
+  Status remove_node(const char* name) { return pirvs::remove_node(mapper_.map(), name); }
 
   // See Tracker. After a frame.
   TimeNs correct_time() { return tracker_.correct_time(); }

@@ -12,19 +12,25 @@
 #include <cstdint>
 
 #include "core/base/status.h"
-#include "core/math/types.h"
+#include "core/math/se3.h"
 
 namespace pirvs {
 
 enum class CommandKind : uint8_t {
-  kStop,            // in order: what was sensed is tracked and mapped to its end
-  kReset,           // forget the map and start anew; W begins where the next start does
-  kSetParameter,    // text: group.name, value
-  kSetPose,         // the present pose is p_WB with heading yaw_rad: W moves, the tilt stays
+  kStop,          // in order: what was sensed is tracked and mapped to its end
+  kReset,         // forget the map and start anew; W begins where the next start does
+  kSetParameter,  // text: group.name, value
+  // The present pose is p_WB with heading yaw_rad: W moves, the tilt stays. value > 0, with a
+  // loaded map that was not recognised yet: a hint of that sigma in m, the map stays where it is.
+  kSetPose,
   kSaveMap,         // text: name of the file
   kLoadMap,         // text: name of the file; what runs is given up, a start looks for its place
   kStartRecording,  // by bsp/api/storage.h
   kStopRecording,
+  // text: name of a place of the map. value 1: it is at p_WB with heading yaw_rad; 0: here.
+  kSetNode,
+  kGetNode,     // text: name; its pose is in the answer
+  kRemoveNode,  // text: name
   kCount
 };
 const char* name(CommandKind kind);
@@ -43,6 +49,7 @@ struct Answer {
   uint32_t ticket = 0;
   CommandKind kind = CommandKind::kStop;
   Status status = Status::kOk;
+  SE3 T_WN;  // kGetNode
 };
 
 }  // namespace pirvs

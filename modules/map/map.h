@@ -20,6 +20,7 @@ namespace pirvs {
 
 inline constexpr size_t kKeyframesMax = 384;
 inline constexpr size_t kLandmarksMax = 8192;
+inline constexpr size_t kNodesMax = 32, kNodeName = 24;  // a name with its zero
 
 struct Keyframe;
 using KeyframeId = Handle<Keyframe>;
@@ -37,6 +38,7 @@ struct Landmark {
   uint32_t last_keyframe = 0;           // of the newest that saw it
   TrackId track[kCamerasMax] = {0, 0};  // its tracks in that keyframe
   uint16_t epoch = 0;                   // of the keyframe that made it
+  bool kept = false;                    // of a loaded map that stays as it is
 };
 
 struct Observation {
@@ -57,15 +59,24 @@ struct Keyframe {
   WheelPath way_from_previous;   // the same, by the wheels
   bool linked = false;           // from_previous holds
   bool at_rest = false;
+  bool kept = false;          // of a loaded map that stays as it is
   float worth = 1e9f;         // what would be missed without it; new ones are not weighed yet
   uint16_t epoch = 0;         // one for each start: only within one are places exact to each other
   Mat6 error = Mat6::Zero();  // of the pose: map_error.h, about its own place
   Mat6 added = Mat6::Zero();  // of that, against the keyframe before
 };
 
+// A named place (nodes.h).
+struct Node {
+  char name[kNodeName] = "";
+  KeyframeId keyframe;  // to which it is fixed
+  SE3 T_KN;
+};
+
 struct Map {
   Pool<Landmark, kLandmarksMax> landmarks;
   Pool<Keyframe, kKeyframesMax> keyframes;
+  FixedVector<Node, kNodesMax> nodes;
 };
 
 // ---- what a rigid motion T of W does ----------------------------------------------------------

@@ -5,19 +5,19 @@
 #include <new>
 
 #include "core/base/crc32.h"
+#include "modules/map/nodes.h"
 
 namespace pirvs {
 namespace {
 
 constexpr char kMagic[8] = {'P', 'I', 'R', 'V', 'S', 'M', 'A', 'P'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;  // 1 had no nodes, where 2 counts them it had 0
 constexpr size_t kBlock = 4096;
 
 struct MapFileHeader {
   char magic[8];
   uint32_t version;
-  uint32_t points, keyframes;
-  uint32_t reserved;
+  uint32_t points, keyframes, nodes;
   uint64_t payload_bytes;  // between this header and the checksum
 };
 
@@ -197,6 +197,33 @@ Status get_observations(Reader& in, Map& map, uint32_t points, Observations (&ou
   return in.status();
 }
 
+// A keyframe by its sequence number.
+void put_node(Writer& out, const Node& node, const Map& map) {
+  out.put(node.name);
+  out.put(map.keyframes.find(node.keyframe)->sequence);
+  put_matrix(out, node.T_KN.R);
+  put_matrix(out, node.T_KN.p);
+}
+
+Status get_node(Reader& in, Map& map) {
+  Node* const node = map.nodes.append();
+  if (node == nullptr) return Status::kBadData;
+  *node = Node{};
+  in.bytes(node->name, sizeof node->name);
+  const uint32_t sequence = in.get<uint32_t>();
+  node->T_KN.R = in.matrix<Mat3>();
+  node->T_KN.p = in.matrix<Vec3>();
+  node->name[kNodeName - 1] = '\0';
+  for (size_t slot = 0; slot < map.keyframes.capacity(); ++slot) {
+    const Keyframe* const keyframe = map.keyframes.at(slot);
+    if (keyframe == nullptr || keyframe->sequence != sequence) continue;
+    node->keyframe = map.keyframes.handle(slot);
+  }
+  in.doubt(map.keyframes.find(node->keyframe) != nullptr && is_node_name(node->name));
+  in.doubt((node->T_KN.R.transpose() * node->T_KN.R - Mat3::Identity()).norm() < 1e-6);
+  return in.status();
+}
+
 void put_payload(Writer& out, const Map& map, uint32_t* saved_as) {
   uint32_t points = 0;
   for (size_t slot = 0; slot < map.landmarks.capacity(); ++slot) {
@@ -215,6 +242,7 @@ void put_payload(Writer& out, const Map& map, uint32_t* saved_as) {
     put_matrix(out, keyframe->added);
     put_observations(out, keyframe->observations, saved_as, map);
   }
+  for (const Node& node : map.nodes) put_node(out, node, map);
 }
 
 Status get_keyframe(Reader& in, uint32_t points, Map& map) {
@@ -238,13 +266,15 @@ Status get_payload(Reader& in, const MapFileHeader& header, Map& map) {
   }
   PIRVS_TRY(in.status());
   for (uint32_t i = 0; i < header.keyframes; ++i) PIRVS_TRY(get_keyframe(in, header.points, map));
+  for (uint32_t i = 0; i < header.nodes; ++i) PIRVS_TRY(get_node(in, map));
   return in.status();
 }
 
 Status check_header(const MapFileHeader& header) {
   const bool ours = std::memcmp(header.magic, kMagic, sizeof kMagic) == 0 &&
-                    header.version == kVersion && header.points <= kLandmarksMax &&
-                    header.keyframes <= kKeyframesMax;
+                    (header.version == 1 || header.version == kVersion) &&
+                    header.points <= kLandmarksMax && header.keyframes <= kKeyframesMax &&
+                    header.nodes <= kNodesMax;
   return ours ? Status::kOk : Status::kBadData;
 }
 
@@ -258,6 +288,7 @@ Status save_map(const Map& map, const MapSink& sink, MapIndex& index) {
   header.version = kVersion;
   header.points = static_cast<uint32_t>(map.landmarks.size());
   header.keyframes = static_cast<uint32_t>(map.keyframes.size());
+  header.nodes = static_cast<uint32_t>(map.nodes.size());
   header.payload_bytes = counter.count();
   Writer out(&sink);
   out.put(header);

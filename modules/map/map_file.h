@@ -2,7 +2,8 @@
 // In      save: a Map at rest, and where bytes go. load: where they come from.
 // Out     load: the same points and keyframes under new handles. Tracks of the front-end and links
 //         of the IMU between keyframes are not kept: they end with the run.
-// Frames  as the map's. Little-endian, doubles as they are: header, points, keyframes, CRC-32.
+// Frames  as the map's. Little-endian, doubles as they are: header, points, keyframes, nodes,
+//         CRC-32.
 // Errors  kBadData: not a map, another version, cut off, damaged, or more than this build holds;
 //         load then leaves an empty map, verify changes none. Others: of the sink or the source.
 // Cost    ~240 bytes a point, ~60 an observation; no heap; 4 KiB of stack, and MapIndex.

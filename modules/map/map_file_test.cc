@@ -6,6 +6,7 @@
 #include <memory>
 #include <vector>
 
+#include "modules/map/nodes.h"
 #include "modules/testing.h"
 
 namespace pirvs {
@@ -72,6 +73,9 @@ std::unique_ptr<Map> some_map() {
       }
     }
   }
+  for (const char* name : {"dock", "shelf-2"}) {
+    EXPECT_EQ(set_node(*map, name, random.state().T_WB, 3), Status::kOk);
+  }
   return map;
 }
 
@@ -98,6 +102,11 @@ TEST(map_file, brings_back_points_keyframes_and_who_sees_what) {
     ASSERT_NE(point, nullptr);
     EXPECT_EQ(point->views, 4);
     EXPECT_EQ(point->descriptor.w[2], uint64_t(left.x) * 77);
+  }
+  for (const char* name : {"dock", "shelf-2"}) {
+    const SE3 before = node_pose(*map, name).value(), after = node_pose(*again, name).value();
+    EXPECT_EQ((before.p - after.p).norm(), 0) << name;
+    EXPECT_EQ((before.R - after.R).norm(), 0) << name;
   }
   File second;
   ASSERT_EQ(save_map(*again, second.sink(), index), Status::kOk);

@@ -230,6 +230,7 @@ void Adjustment::write_back(WorkingMap& map) {
   }
   for (size_t p = 0; p < points_.size(); ++p) {
     Landmark* landmark = map.points().find(points_[p]);
+    if (landmark->kept) continue;
     landmark->p_W = bundle_.point(static_cast<int>(p)) + shift;
     landmark->cov = bundle_.point_cov(static_cast<int>(p));
   }

@@ -17,13 +17,18 @@ namespace pirvs {
 inline constexpr size_t kWeighedAtOnce = 64;
 void weigh_keyframes(WorkingMap& map, size_t& next);
 
-// Place of the keyframe that contributes least, among those that no adjustment moves any more. By
-// contribution, not by age: a device that hovers does not forget the way it came.
+// Place of the keyframe that contributes least, among those that no adjustment moves any more and
+// that are not to be kept. By contribution, not by age: a device that hovers does not forget the
+// way it came.
 size_t least_useful(const WorkingMap& map, size_t window);
 
 // Makes room for all points that one keyframe can bring. The points with the fewest views leave, of
 // those that none of the last `window` keyframes sees; of equals, those not seen for longest.
 uint32_t forget_points(WorkingMap& map, size_t window);
+
+// A map that was loaded stays as it is: nothing of it leaves any more, but what must make room now
+// for a run of its own beside it. While no run has begun.
+void keep_all(WorkingMap& map);
 
 // A point needs two views, and once its first keyframes are past, three.
 uint32_t remove_weak_points(WorkingMap& map);

@@ -139,6 +139,7 @@ void Mapper::move_world(const SE3& T) {
 Status Mapper::load(const MapSource& source) {
   PIRVS_TRY(map_.load(source));
   if (map_.size() == 0) return Status::kOk;
+  if (params_.extend_map < 0.5f) keep_all(map_);
   finished_.store(map_.newest().sequence, std::memory_order_release);
   publish(false);
   return Status::kOk;

@@ -35,6 +35,7 @@ class Mapper {
   // The map of an earlier run, into an empty one, published. Errors as load_map().
   Status load(const MapSource& source);
   const Map& map() const { return map_.map(); }
+  Map& map() { return map_.map(); }  // its nodes
   const MappingCounters& counters() const { return counters_; }
   // Called with each keyframe that leaves the map, refined as it is then.
   void on_keyframe_removed(void (*sink)(void*, const BodyState&), void* context);

@@ -9,6 +9,7 @@ namespace pirvs {
 
 struct MappingParams {
   float window = 10.0f;
+  float extend_map = 1.0f;
   float fixed_keyframes = 12.0f;
   float fixed_weight = 0.3f;
   float shared_points_min = 12.0f;
@@ -30,6 +31,8 @@ struct MappingParams {
 inline constexpr ParamRow<MappingParams> kMappingRows[] = {
     {"window", &MappingParams::window, 3, 12, count_of("keyframes"), Audience::kUser,
      "free keyframes of a bundle adjustment; fewer cost less time and accuracy"},
+    {"extend_map", &MappingParams::extend_map, 0, 1, "1", Audience::kUser,
+     "0: a map that is loaded stays as it is, what is new is not saved; 1: it grows"},
     {"fixed_keyframes", &MappingParams::fixed_keyframes, 0, 24, count_of("keyframes"),
      Audience::kExpert, "older, covisible keyframes whose poses a bundle adjustment keeps fixed"},
     {"fixed_weight", &MappingParams::fixed_weight, 0, 1, "1", Audience::kExpert,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/base/assert.h"
+#include "modules/map/nodes.h"
 
 namespace pirvs {
 
@@ -47,6 +48,7 @@ void WorkingMap::remove(size_t place) {
   for (Observations& observations : leaving.observations) {
     for (Observation& sighting : observations) detach(sighting);
   }
+  carry_nodes(map_, order_[place]);
   if (removed_sink_ != nullptr) removed_sink_(removed_context_, leaving.state);
   (void)map_.keyframes.release(order_[place]);
   for (size_t i = place + 1; i < size(); ++i) order_[i - 1] = order_[i];

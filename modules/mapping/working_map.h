@@ -64,6 +64,7 @@ class WorkingMap {
 
   // ---- as a whole ----
   const Map& map() const { return map_; }
+  Map& map() { return map_; }
   void move(const SE3& T);   // all that is kept
   void level(const SE3& T);  // the same, by a tilt that mapping found out itself
   const SE3& leveled() const { return leveled_; }  // by all such tilts

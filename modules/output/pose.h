@@ -17,6 +17,7 @@ struct FusedState {
   HealthState health = HealthState::kInitializing;
   Trust trust;
   uint16_t epoch = 0;    // poses of different epochs have no known relation
+  bool in_map = false;   // the pose stands in the frame of the map that was loaded
   bool running = false;  // false: there is no state to go on from
   bool at_rest = false;
 };
@@ -32,6 +33,7 @@ struct Pose {
   HealthState health = HealthState::kInitializing;
   Trust trust;
   uint16_t epoch = 0;
+  bool in_map = false;          // as FusedState
   bool dead_reckoning = false;  // the fused state is older than kDeadReckoning_s
 };
 
@@ -46,6 +48,7 @@ inline Pose pose_of(const FusedState& fused, TimeNs t_frame, const Vec3& w_measu
   out.health = fused.health;
   out.trust = fused.trust;
   out.epoch = fused.epoch;
+  out.in_map = fused.in_map;
   return out;
 }
 

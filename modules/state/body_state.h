@@ -26,6 +26,11 @@ enum : int { kTheta = 0, kPos = 3, kVel = 6, kBg = 9, kBa = 12 };
 BodyState boxplus(const BodyState& state, const Vec15& delta);
 Vec15 boxminus(const BodyState& a, const BodyState& b);
 
+inline BodyState at_time(BodyState state, TimeNs t) {
+  state.t = t;
+  return state;
+}
+
 // A rigid motion T of W.
 inline void move(const SE3& T, BodyState& state) {
   state.T_WB = T * state.T_WB;

@@ -116,6 +116,8 @@ Header plain(Kind kind, uint32_t sequence) {
   return out;
 }
 
+constexpr int kDeadReckoning = 1, kInMap = 2;
+
 void put_pose(Writer& out, const Pose& pose) {
   out.put(pose.state.t).put(pose.t_published).put(pose.t_frame);
   out.put_doubles(pose.state.T_WB.p);
@@ -123,7 +125,8 @@ void put_pose(Writer& out, const Pose& pose) {
   out.put_symmetric(pose.cov.topLeftCorner<6, 6>());
   out.put_symmetric(pose.cov.bottomRightCorner<3, 3>());
   out.put(pose.trust.confidence).put(pose.trust.resets).put(pose.epoch);
-  out.put(static_cast<uint8_t>(pose.health)).put(static_cast<uint8_t>(pose.dead_reckoning));
+  const int flags = (pose.dead_reckoning ? kDeadReckoning : 0) | (pose.in_map ? kInMap : 0);
+  out.put(static_cast<uint8_t>(pose.health)).put(static_cast<uint8_t>(flags));
 }
 
 bool get_health(Reader& in, HealthState& out) {
@@ -147,7 +150,9 @@ bool get_pose(Reader& in, PoseMessage& out) {
   out.resets = in.get<uint32_t>();
   out.epoch = in.get<uint16_t>();
   const bool known = get_health(in, out.health);
-  out.dead_reckoning = in.get<uint8_t>() != 0;
+  const auto flags = in.get<uint8_t>();
+  out.dead_reckoning = (flags & kDeadReckoning) != 0;
+  out.in_map = (flags & kInMap) != 0;
   return in.ok() && known && out.p_WB.allFinite() && out.q_xyzw.allFinite() &&
          std::fabs(out.q_xyzw.norm() - 1) < 1e-3 && std::isfinite(out.confidence);
 }

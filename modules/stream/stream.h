@@ -58,6 +58,7 @@ struct PoseMessage {
   uint32_t resets = 0;
   uint16_t epoch = 0;
   bool dead_reckoning = false;
+  bool in_map = false;  // the pose stands in the frame of the map that was loaded
 };
 
 struct HealthMessage {

@@ -25,7 +25,7 @@ Pose some_pose() {
   pose.trust.confidence = 0.5f;
   pose.trust.resets = 7;
   pose.epoch = 3;
-  pose.dead_reckoning = true;
+  pose.in_map = true;
   return pose;
 }
 
@@ -49,7 +49,8 @@ TEST(stream, a_pose_comes_back_as_it_went) {
   EXPECT_EQ(out.health, HealthState::kDegraded);
   EXPECT_EQ(out.resets, 7u);
   EXPECT_EQ(out.epoch, 3);
-  EXPECT_TRUE(out.dead_reckoning);
+  EXPECT_TRUE(out.in_map);
+  EXPECT_FALSE(out.dead_reckoning);
 }
 
 TEST(stream, poses_at_200_hz_cost_less_than_60_kB_a_second) {

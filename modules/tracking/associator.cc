@@ -231,6 +231,12 @@ int Associator::tracked_made_by(uint32_t keyframe) const {
   return count;
 }
 
+TrackUse Associator::use(int c, const Track& track) const {
+  if (!landmark(c, track).valid()) return TrackUse::kNew;
+  if (point(c, track) == nullptr) return TrackUse::kWaiting;
+  return misses_[c].get(track) == 0 ? TrackUse::kUsed : TrackUse::kRejected;
+}
+
 int Associator::seen_points(SeenPoint* out, int max) const {
   if (frontends_ == nullptr) return 0;
   int count = 0;

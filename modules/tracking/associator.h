@@ -23,6 +23,15 @@ struct SeenPoint {
   double sigma_m = 0;  // root of the mean variance of its axes
 };
 
+// What tracking makes of a track, for a viewer.
+enum class TrackUse : uint8_t {
+  kNew,       // it shows no point yet
+  kWaiting,   // its point is not in the map at hand
+  kUsed,      // its point agrees with the pose
+  kRejected,  // its point disagreed with the pose in the last image
+  kCount
+};
+
 // Many methods: what tracks and landmarks are asked together, a few lines each.
 class Associator {
  public:
@@ -38,6 +47,8 @@ class Associator {
   void set_landmark(int c, const Track& track, LandmarkId id) { landmarks_[c][track] = id; }
   // The point that the track shows, where the newest snapshot has it, or nullptr.
   const MapPoint* point(int c, const Track& track) const { return map_.find(landmark(c, track)); }
+
+  TrackUse use(int c, const Track& track) const;
 
   // Takes a new map and learns which living tracks it has turned into landmarks or freed from one.
   // `newest`: sequence of the newest keyframe that was sent.

@@ -90,6 +90,7 @@ Status Initializer::add_frame(TimeNs t, uint8_t seen_by, const StandstillDetecto
 }
 
 Mat6 Initializer::origin_error(TimeNs t) const {
+  if (origin_t_ == 0) return Mat6::Zero();  // nothing ran before: it defines its own place
   const double gap_s = to_seconds(t - origin_t_);
   return origin_error_ + error_of_sigmas(kUntracked_rad_s * gap_s, kUntracked_m_s * gap_s);
 }

@@ -42,7 +42,7 @@ class Initializer {
   Starter& starter() { return starter_; }
   const SE3& origin() const { return origin_; }
   void move_origin(const SE3& T) { origin_ = T * origin_; }
-  // Of the place where a start at t continues, by how long nothing was tracked.
+  // Of the place where a start at t continues, by how long nothing was tracked; 0: nothing was.
   Mat6 origin_error(TimeNs t) const;
 
  private:
@@ -56,7 +56,7 @@ class Initializer {
   TimeNs pairless_t_ = 0;      // since when both see, but nothing that both see; 0: not so
   SE3 origin_;                 // where a start continues
   Mat6 origin_error_ = Mat6::Zero();
-  TimeNs origin_t_ = 0;
+  TimeNs origin_t_ = 0;             // 0: there is none yet
   Mat3 R_BlBn_ = Mat3::Identity();  // last frame to now
   Observations observations_[kCamerasMax];
 };

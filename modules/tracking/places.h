@@ -46,9 +46,13 @@ class Places {
   // holds.
   LoopDecision test_loop(TimeNs t, const SE3& T_WB, const MapError& error, const Associator& seen);
   const Recognition& found() const { return found_; }
+  // What was found is more than one plane, as a wallpaper is, or a poster that hangs twice: enough
+  // where nothing else says where the body is.
+  bool found_alone(const Associator& seen) const;
 
  private:
   bool solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen);
+  void refine(const Associator& seen);
   int locate(const Associator& seen);
   bool held(const Associator& seen, uint32_t& closes_to) const;
 

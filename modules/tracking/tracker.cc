@@ -21,11 +21,6 @@ double sigma_px(const FilterParams& params, bool at_rest) {
   return params.sigma_px * (at_rest ? params.standstill_px_scale : 1);
 }
 
-BodyState at_time(BodyState state, TimeNs t) {
-  state.t = t;
-  return state;
-}
-
 }  // namespace
 
 void Tracker::configure(const Camera* cameras, int count, const ImuNoise& noise,
@@ -181,23 +176,6 @@ TimeNs Tracker::correct_time() {
   return wanted ? estimate_.self_calibration().correct_time() : 0;
 }
 
-void Tracker::move_world(const SE3& T) {
-  const SE3 before = place();
-  initializer_.move_origin(T);
-  keyframer_.move_last(T);
-  if (running_) estimate_.carry_over(T);
-  note_jump(before, place(), true);
-}
-
-void Tracker::continue_map(uint32_t sequence, uint16_t epoch) {
-  keyframer_.continue_after(sequence);
-  epochs_ = epoch;
-  const MapSnapshot* snapshot = mailbox_->take();
-  if (snapshot == nullptr) return;
-  estimate_.set_map_error({snapshot->error, snapshot->state.T_WB.p});
-  associator_.take(*snapshot, snapshot->state.T_WB, sequence);
-}
-
 void Tracker::match() {
   if (!running_) return;
   // Nothing is followed any more, and the pose is too uncertain to tell what is near from what only
@@ -235,6 +213,7 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   }
   estimate_.end_frame();
   note_recent(t, present, result.at_rest);
+  if (!joining_) pose_epoch_ = epoch_;
   result.has_pose = true;
   ++counters_.frames_with_pose;
   return result;
@@ -390,12 +369,14 @@ void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
   Mat6 error = Mat6::Zero();  // of the place; the first start defines it
   places_.hurry();
   place_known_ = associator_.map().points() == 0;
-  if (!place_known_ && recognise(t, PlaceRule::kSame, starter.state().T_WB.R)) {
+  if (!place_known_ && recognise(t, PlaceRule::kSame, starter.state().T_WB.R) &&
+      places_.found_alone(associator_)) {
     starter.move(places_.found().T_WB * starter.state().T_WB.inverse());
     error = estimate_.map_error().cov + recognised_error();
     place_known_ = true;
     epoch_ = places_.found().epoch;
     ++counters_.joins;
+    result.joined = true;
   } else {
     epoch_ = ++epochs_;
     if (!place_known_) error = initializer_.origin_error(t);
@@ -450,51 +431,6 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
     drift_told_ = true;
   }
   keyframer_.end(*message, estimate_.state());
-}
-
-// A start that knew no place looks for the older map; mapping then carries over what it made since.
-bool Tracker::try_join(TimeNs t) {
-  const BodyState& state = estimate_.state();
-  if (!recognise(t, PlaceRule::kOther, state.T_WB.R)) return false;
-  KeyframeMessage* message =
-      keyframer_.begin(at_time(state, t), standstill_.at_rest(), epoch_, associator_);
-  if (message == nullptr) return false;
-  T_join_ = places_.found().T_WB * state.T_WB.inverse();
-  message->join = true;
-  message->joining = epoch_;
-  message->T_join = T_join_;
-  move(T_join_, message->state);
-  message->epoch = epoch_ = places_.found().epoch;
-  message->error = estimate_.map_error().cov + recognised_error();
-  keyframer_.end(*message, state);
-  place_known_ = joining_ = true;
-  ++counters_.joins;
-  return true;
-}
-
-// The way since an old place was off: mapping spreads that over it.
-bool Tracker::try_close(TimeNs t) {
-  const BodyState& state = estimate_.state();
-  const LoopDecision loop = places_.test_loop(t, state.T_WB, estimate_.map_error(), associator_);
-  counters_.loops_implausible += loop.verdict == LoopDecision::Verdict::kImplausible ? 1 : 0;
-  counters_.loops_held += loop.verdict == LoopDecision::Verdict::kHeld ? 1 : 0;
-  if (loop.verdict != LoopDecision::Verdict::kCloses) return false;
-  KeyframeMessage* message =
-      keyframer_.begin(at_time(state, t), standstill_.at_rest(), epoch_, associator_);
-  if (message == nullptr) return false;
-  associator_.adopt(
-      places_.found());  // only now: where nothing closes, tracks keep their own points
-  keyframer_.observe(associator_, message->observations);
-  message->close = true;
-  message->off = loop.off;
-  message->off_cov = loop.off_cov;
-  message->closes_to = loop.closes_to;
-  T_join_ = loop.T;
-  keyframer_.end(*message, state);
-  keyframer_.move_last(T_join_);
-  joining_ = true;
-  ++counters_.loops;
-  return true;
 }
 
 }  // namespace pirvs

@@ -133,10 +133,15 @@ class Tracker {
   // The mailbox holds a map of an earlier run, whose newest keyframe is `sequence` and newest epoch
   // `epoch`: a start looks for its place there. Before any start.
   void continue_map(uint32_t sequence, uint16_t epoch);
+  bool has_loaded_map() const { return epochs_loaded_ != 0; }
+  // Somebody knows about where in that map the body is: what runs begins anew there.
+  void continue_at(TimeNs t, const SE3& T_WB, double sigma_m);
 
   uint32_t sent() const { return keyframer_.sent(); }  // keyframes so far, the newest's sequence
   bool running() const { return running_; }
-  uint16_t epoch() const { return epoch_; }
+  uint16_t epoch() const { return pose_epoch_; }  // of the pose that is given out
+  // The pose stands in the frame of the map that was loaded.
+  bool in_map() const { return running_ && pose_epoch_ != 0 && pose_epoch_ <= epochs_loaded_; }
   const BodyState& state() const { return estimate_.state(); }
   // Up to which keyframe mapping had come when the frame in work began: what the frame depends on
   // besides its input. While tracking runs, the keyframe of its map.
@@ -158,6 +163,9 @@ class Tracker {
   double wheel_scale() const { return odometry_.scale(); }
   const TrackingCounters& counters() const { return counters_; }
   const StereoMatcher& stereo() const { return keyframer_.stereo(); }
+  // Of the last frame.
+  const Tracks& tracks(int c) const { return associator_.tracks(c); }
+  TrackUse use(int c, const Track& track) const { return associator_.use(c, track); }
   // The landmarks that tracks show, each once. Returns the count.
   int seen_points(SeenPoint* out, int max) const { return associator_.seen_points(out, max); }
 
@@ -204,6 +212,8 @@ class Tracker {
   bool in_doubt_ = false;
   TimeNs last_frame_t_ = 0;
   uint16_t epoch_ = 0, epochs_ = 0;  // of the keyframes now; the last that was given out
+  uint16_t epochs_loaded_ = 0;       // those of the map that was loaded
+  uint16_t pose_epoch_ = 0;          // of the pose: until mapping has joined it, that of before
   bool place_known_ = true;          // this epoch is the map's first, or was joined to it
   TimeNs light_since_ = 0;  // images are usable again, the place is not recognised yet; 0: not so
   BodyState begin_;         // as the last start left it

@@ -28,11 +28,13 @@ extern const Command kPackCommand;
 extern const Command kConvertCommand;
 extern const Command kInfoCommand;
 extern const Command kSimCommand;
+extern const Command kMapCommand;
 extern const Command kListenCommand;
 extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;
 extern const Command kRos2Command;
 extern const Command kCalibCommand;
+extern const Command kViewCommand;
 
 }  // namespace pirvs::tools

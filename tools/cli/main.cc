@@ -11,10 +11,10 @@
 namespace pirvs::tools {
 namespace {
 
-const Command* const kCommands[] = {&kRunCommand,    &kInfoCommand,        &kEvalCommand,
-                                    &kSimCommand,    &kListenCommand,      &kConvertCommand,
-                                    &kPackCommand,   &kCalibrationCommand, &kCalibCommand,
-                                    &kParamsCommand, &kUpdateCommand,      &kRos2Command};
+const Command* const kCommands[] = {
+    &kRunCommand,    &kInfoCommand,    &kEvalCommand, &kSimCommand,         &kMapCommand,
+    &kListenCommand, &kConvertCommand, &kPackCommand, &kCalibrationCommand, &kCalibCommand,
+    &kParamsCommand, &kUpdateCommand,  &kRos2Command, &kViewCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

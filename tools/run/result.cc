@@ -60,6 +60,9 @@ void count_trust(const RunLog& log, RunResult& result) {
     result.resets = trust.resets;
     if (frame.pose.health == HealthState::kDegraded) ++result.frames_degraded;
     if (frame.has_pose) confidence.push_back(double(trust.confidence));
+    if (frame.pose.in_map && result.localised_after_s < 0) {
+      result.localised_after_s = to_seconds(frame.t - log.frames.front().t);
+    }
   }
   result.confidence = statistics(confidence);
   if (confidence.empty()) return;

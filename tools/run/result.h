@@ -66,6 +66,7 @@ struct RunResult {
   Statistics confidence;  // of frames with a pose
   double confidence_min = 0;
   uint32_t resets = 0;
+  double localised_after_s = -1;  // in the map that was loaded, since the first frame; < 0: never
   std::vector<PoseJump> jumps;
   std::string verdict;  // why it is not done, if it is not; verdict.h
   bool done = false;    // tracking to the last frame

@@ -59,13 +59,13 @@ RobotOutput::RobotOutput(const std::string& where, const std::vector<std::string
   if (!file_) throw InputError("cannot write", where, "check the folder and its permissions");
 }
 
-void RobotOutput::frame(TimeNs t) {
-  if (t > frame_t) frame_t = t;
-  to_file_.frame(t);
+void RobotOutput::frame(const FrameReport& report) {
+  if (report.t > frame_t) frame_t = report.t;
+  to_file_.frame(report.t);
   started_ = true;
 }
 
-void RobotOutput::health(HealthState state, const char* what) {
+void RobotOutput::health(TimeNs, HealthState state, const char* what) {
   wire_.health(state, what);
   if (to_file_.is_open()) to_file_.link().health(state, what);
 }

@@ -26,8 +26,8 @@ class RobotOutput : public RunListener {
   RobotOutput(const RobotOutput&) = delete;
   RobotOutput& operator=(const RobotOutput&) = delete;
 
-  void frame(TimeNs t) override;
-  void health(HealthState state, const char* what) override;
+  void frame(const FrameReport& report) override;
+  void health(TimeNs t, HealthState state, const char* what) override;
   void answer(const Answer& answer) override;
   void open(App& app, const ImuNoise& noise);
   void after_step();

@@ -19,6 +19,7 @@
 #include "tools/dataset/recording_options.h"
 #include "tools/info/image_turn.h"
 #include "tools/info/imu_sense.h"
+#include "tools/map/map_files.h"
 #include "tools/report/report.h"
 #include "tools/run/feed.h"
 #include "tools/run/files.h"
@@ -26,7 +27,9 @@
 #include "tools/run/playback.h"
 #include "tools/run/robot_output.h"
 #include "tools/run/run_mcap.h"
+#include "tools/run/run_viewed.h"
 #include "tools/run/trace_file.h"
+#include "tools/view/replay_view.h"
 
 namespace pirvs::tools {
 namespace {
@@ -44,9 +47,12 @@ struct Options {
   std::vector<std::string> set;
   std::vector<std::string> faults;
   std::string record;
+  std::string save_map, load_map, map_mode = "extend";
   std::string estimate;
   std::string mavlink;
   std::vector<std::string> mavlink_set;
+  bool shown = false;
+  ViewOptions shown_at;
 };
 
 App app;  // static memory, as on the device
@@ -90,6 +96,11 @@ void prepare_record(const std::string& record, const std::string& folder) {
   bsp::set_storage_directory(folder.c_str());
 }
 
+void load_map(const std::string& file) {
+  if (file.empty()) return;
+  read_map_file(file, [](const MapSource& from) { return app.load_map(from); });
+}
+
 void print_result(const Options& options, const RunLog& log, const RunResult& r) {
   std::printf("%zu frames, %.1f s: %zu tracked, %zu lost, %zu before the start, %zu dropped\n",
               r.frames_in, r.duration_s, r.frames_tracked, r.frames_lost, r.frames_before_start,
@@ -107,12 +118,18 @@ void print_result(const Options& options, const RunLog& log, const RunResult& r)
     std::printf("the cameras' offset was corrected by %.2f ms (sigma %.2f)\n",
                 1e3 * to_seconds(log.camera_correction), 1e3 * log.calibration.time_sigma_s);
   }
+  if (!options.load_map.empty() && r.localised_after_s < 0) {
+    std::printf("not localised in %s: poses stand in a frame of their own\n",
+                options.load_map.c_str());
+  } else if (!options.load_map.empty()) {
+    std::printf("localised in %s after %.2f s\n", options.load_map.c_str(), r.localised_after_s);
+  }
   const FusedResult& fused = r.fused_result;
   if (fused.ok) {
     std::printf("with GNSS: ATE %.4f m, not aligned (fixes alone %.3f m), heading %.2f deg\n",
                 fused.ate_rmse_m, fused.fixes_rmse_m, fused.heading_rmse_deg);
   }
-  std::printf("written to %s\n", options.out.c_str());
+  if (!options.out.empty()) std::printf("written to %s\n", options.out.c_str());
 }
 
 // Why a run did not end as it should, if it did not. Returns the exit status.
@@ -131,25 +148,45 @@ int tell_end(const Recording& recording, const RunResult& result) {
   return result.exit_status();
 }
 
-int run(const Options& options, const std::string& command) {
+void write_results(OutputFolder& out, const Options& options, const RunInfo& info,
+                   const Recording& recording, const RunLog& log, const RunResult& result,
+                   const std::vector<Count>& rejected) {
+  write_run_files(out, info, recording, log, result, rejected);
+  out.write("report.html", make_report(info, recording, log, result, rejected));
+  if (options.trace) out.write("trace.json", trace_json());
+  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
+  out.commit();
+}
+
+AppParams params_of(const Options& options) {
   AppParams params;
   for (const std::string& assignment : options.set) set_parameter(params, assignment);
   if (!options.estimate.empty()) params.tracking.tracker.estimate_time = 1;
+  if (options.map_mode == "localise") params.mapping.extend_map = 0;
+  return params;
+}
+
+// `view`: null: nobody looks.
+int run(const Options& options, const std::string& command, View* view) {
+  const AppParams params = params_of(options);
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
   const Recording recording = open_recording(options.sequence, options.recording);
   print_notes(recording);
   const ImuFault fault = find_imu_fault(recording.imu);
   if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
-  OutputFolder out(options.out, options.force);
+  std::optional<OutputFolder> out;
+  if (!options.out.empty()) out.emplace(options.out, options.force);
   const std::string recorded_to = record_folder(options.record);
   if (!options.record.empty()) prepare_record(options.record, recorded_to);
   RunLog log(recording.frames.size());
   std::optional<RobotOutput> robot;
   if (!options.mavlink.empty()) {
     robot.emplace(options.mavlink, options.mavlink_set, options.real_time);
-    log.listener = &*robot;
+    log.listeners.push_back(&*robot);
   }
+  std::optional<ReplayView> shown;
+  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording));
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -165,7 +202,9 @@ int run(const Options& options, const std::string& command) {
     std::signal(SIGTERM, stop_by_hand);
     if (options.trace) trace_start(bsp::now);
     app.configure(recording.calibration, params, log.sinks());
+    load_map(options.load_map);
     if (robot) robot->open(app, recording.calibration.imu);
+    if (shown) shown->open(app);
     app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
@@ -181,6 +220,7 @@ int run(const Options& options, const std::string& command) {
       if (robot) robot->after_step();
     });
     if (robot) robot->close();
+    if (shown) shown->close(stopped_by != 0 ? "stopped by hand" : "the recording has ended");
     rejected = feed.rejected();
     info.faults = feed.faults_applied();
   }
@@ -189,14 +229,26 @@ int run(const Options& options, const std::string& command) {
   if (robot) robot->add_counters(log.counters);
   RunResult result = make_result(recording, log, status);
   result.wall_s = wall.count();
-  write_run_files(out, info, recording, log, result, rejected);
-  out.write("report.html", make_report(info, recording, log, result, rejected));
-  if (options.trace) out.write("trace.json", trace_json());
-  if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
-  out.commit();
+  if (out) write_results(*out, options, info, recording, log, result, rejected);
   if (!options.record.empty()) finish_record(options.record);
+  if (!options.save_map.empty()) write_map_file(options.save_map, app.map());
   print_result(options, log, result);
   return tell_end(recording, result);
+}
+
+void add_map_options(CLI::App& app, Options& o) {
+  app.add_option("--save-map", o.save_map,
+                 "FILE, the map at the end of the run, to be localised in later (docs/maps.md)");
+  auto* const load_map =
+      app.add_option("--load-map", o.load_map,
+                     "FILE, the map of an earlier run: poses stand in its frame once a place of it "
+                     "is recognised")
+          ->check(CLI::ExistingFile);
+  app.add_option("--map-mode", o.map_mode,
+                 "extend: the loaded map grows; localise: it stays as it is")
+      ->check(CLI::IsMember({"extend", "localise"}))
+      ->capture_default_str()
+      ->needs(load_map);
 }
 
 std::function<int()> declare_run(CLI::App& app) {
@@ -244,6 +296,7 @@ std::function<int()> declare_run(CLI::App& app) {
       ->allow_extra_args(false);
   app.add_option("--record", o->record,
                  "also write the input, with its injected faults, as an ASL folder, or as *.mcap");
+  add_map_options(app, *o);
   auto* const mavlink = app.add_option(
       "--mavlink", o->mavlink,
       "udp:HOST:PORT or a file, the poses as an autopilot gets them (docs/integration.md)");
@@ -251,8 +304,15 @@ std::function<int()> declare_run(CLI::App& app) {
                  "name=value, a key of the link: rate_hz, frame, messages, system, mounting_deg")
       ->allow_extra_args(false)
       ->needs(mavlink);
+  auto* const shown = app.add_flag("--view", o->shown, "also show it as a page (docs/view.md)");
+  shown->needs(real_time);
+  for (CLI::Option* option : add_view_options(app, o->shown_at)) option->needs(shown);
   app.footer(fault_help());
-  return [o, &app] { return run(*o, command_line(app)); };
+  return [o, &app] {
+    std::optional<View> view;
+    if (o->shown) view.emplace(o->shown_at);
+    return run(*o, command_line(app), view ? &*view : nullptr);
+  };
 }
 
 std::function<int()> declare_params(CLI::App& app) {
@@ -265,6 +325,17 @@ std::function<int()> declare_params(CLI::App& app) {
 }
 
 }  // namespace
+
+int run_viewed(View& view, const std::string& sequence, const ViewedRun& how) {
+  Options options;
+  options.sequence = sequence;
+  options.recording = how.recording;
+  options.real_time = true;
+  options.cores = how.cores;
+  options.set = how.set;
+  if (!how.files.empty()) bsp::set_storage_directory(how.files.c_str());
+  return run(options, "pirvs view", &view);
+}
 
 const Command kRunCommand = {"run", "Run SLAM on a recording", declare_run};
 const Command kParamsCommand = {"params", "List the parameters that --set can change",

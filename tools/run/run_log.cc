@@ -10,18 +10,24 @@ constexpr int kNamedMax = 512;
 
 void on_frame(void* context, const FrameReport& report) {
   auto& log = *static_cast<RunLog*>(context);
-  if (log.listener != nullptr) log.listener->frame(report.t);
+  for (RunListener* listener : log.listeners) listener->frame(report);
   log.frames.push_back(report);
 }
 
 void on_health(void* context, TimeNs t, HealthState state, const char* what) {
   auto& log = *static_cast<RunLog*>(context);
-  if (log.listener != nullptr) log.listener->health(state, what);
+  for (RunListener* listener : log.listeners) listener->health(t, state, what);
   log.health.push_back({t, state, what});
 }
 
 void on_answer(void* context, const Answer& answer) {
-  static_cast<RunLog*>(context)->listener->answer(answer);
+  for (RunListener* listener : static_cast<RunLog*>(context)->listeners) listener->answer(answer);
+}
+
+void on_tracked(void* context, TimeNs t, const StereoFrame& images, const Tracker& tracker) {
+  for (RunListener* listener : static_cast<RunLog*>(context)->listeners) {
+    listener->tracked(t, images, tracker);
+  }
 }
 
 void on_late(void* context, TimeNs t, const LateTask& task) {
@@ -29,11 +35,15 @@ void on_late(void* context, TimeNs t, const LateTask& task) {
 }
 
 void on_fused(void* context, const FusedPose& pose) {
-  static_cast<RunLog*>(context)->fused.push_back(pose);
+  auto& log = *static_cast<RunLog*>(context);
+  for (RunListener* listener : log.listeners) listener->fused(pose);
+  log.fused.push_back(pose);
 }
 
 void on_fix(void* context, const GnssFix& fix, FixGate gate) {
-  static_cast<RunLog*>(context)->fixes.push_back({fix, gate});
+  auto& log = *static_cast<RunLog*>(context);
+  for (RunListener* listener : log.listeners) listener->fix(fix, gate);
+  log.fixes.push_back({fix, gate});
 }
 
 void on_keyframe(void* context, const BodyState& state) {
@@ -60,7 +70,10 @@ AppSinks RunLog::sinks() {
   sinks.context = this;
   sinks.frame = on_frame;
   sinks.health = on_health;
-  if (listener != nullptr) sinks.answer = on_answer;
+  if (!listeners.empty()) {
+    sinks.answer = on_answer;
+    sinks.tracked = on_tracked;
+  }
   sinks.late = on_late;
   sinks.fused = on_fused;
   sinks.fix = on_fix;
@@ -77,11 +90,14 @@ void RunLog::attach(App& app, size_t poses_expected) {
 void RunLog::take_poses(App& app) {
   if (consumer_ < 0) return;
   while (const Pose* const pose = app.poses().next(consumer_)) {
+    for (RunListener* listener : listeners) listener->pose(*pose);
     poses.push_back({pose->state.t, pose->t_published});
   }
 }
 
-void RunLog::finish(const App& app) {
+void RunLog::finish(App& app) {
+  if (consumer_ >= 0) app.poses().detach(consumer_);
+  consumer_ = -1;
   const Map& map = app.map();
   for (size_t slot = 0; slot < map.keyframes.capacity(); ++slot) {
     if (const Keyframe* keyframe = map.keyframes.at(slot)) keyframes.push_back(keyframe->state);

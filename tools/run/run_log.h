@@ -38,12 +38,16 @@ struct FixEvent {
   FixGate gate = FixGate::kAccepted;
 };
 
-// Whoever wants some of it while the run goes on.
+// Whoever wants some of it while the run goes on. All on core 0.
 class RunListener {
  public:
   virtual ~RunListener() = default;
-  virtual void frame(TimeNs t) = 0;
-  virtual void health(HealthState state, const char* what) = 0;
+  virtual void frame(const FrameReport&) {}
+  virtual void tracked(TimeNs, const StereoFrame&, const Tracker&) {}  // lent until it returns
+  virtual void pose(const Pose&) {}                                    // in real time alone
+  virtual void health(TimeNs, HealthState, const char* what) = 0;
+  virtual void fused(const FusedPose&) {}
+  virtual void fix(const GnssFix&, FixGate) {}
   virtual void answer(const Answer& answer) = 0;
 };
 
@@ -65,14 +69,14 @@ struct RunLog {
   double wheel_scale = 1;                 // wheels.estimate_scale: what they were multiplied by
   TimeNs camera_correction = 0;           // --estimate time: on top of the calibration's offset
 
-  RunListener* listener = nullptr;  // before sinks()
+  std::vector<RunListener*> listeners;  // before sinks()
 
   explicit RunLog(size_t frames_expected);
   AppSinks sinks();
   // In real time: once App is configured, and then again and again while it runs, from core 0.
   void attach(App& app, size_t poses_expected);
   void take_poses(App& app);
-  void finish(const App& app);
+  void finish(App& app);
 
  private:
   int consumer_ = -1;  // of App's poses

@@ -30,6 +30,9 @@ struct PathState {
   Vec3 w_B;
 };
 
+// Where Path::flight stays.
+inline const Vec3 kFlightLo{-4.5, -3.5, 0.6}, kFlightHi{4.5, 3.5, 2.6};
+
 struct SteadyMotion {
   double rest_s = 0, ramp_s = 1;  // at rest, then without a jerk to full speed
   Vec3 v_L = Vec3::Zero();        // as seen from the look frame at the start

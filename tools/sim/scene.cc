@@ -31,6 +31,13 @@ bool clear(const Box& box, const std::vector<Vec3>& path, double distance_m) {
                      [&](const Vec3& p) { return distance_outside(box, p) > distance_m; });
 }
 
+bool overlaps(const Box& box, const Vec3& lo, const Vec3& hi) {
+  for (int a = 0; a < 3; ++a) {
+    if (double(box.hi[a]) < lo[a] || double(box.lo[a]) > hi[a]) return false;
+  }
+  return true;
+}
+
 // Straight lines between the powers of two, 0.09 below at most: mip levels need no more.
 float log2_roughly(float x) {
   uint32_t bits = 0;
@@ -46,66 +53,83 @@ void face_axes(int axis, int& u, int& v) {
 
 }  // namespace
 
-Scene::Scene(const Path& path, uint64_t seed, int boxes, int movers, const Pillar& pillar)
-    : pillar_(pillar) {
+Scene::Scene(const Path& path, const SceneOptions& options) : options_(options) {
   for (int k = 0; k < int(TextureKind::kCount) * kTexturesPerKind; ++k) {
     const auto kind = TextureKind(k % int(TextureKind::kCount));
-    textures_.push_back(std::make_unique<Texture>(kind, mix64(seed) + uint64_t(k)));
+    textures_.push_back(std::make_unique<Texture>(kind, mix64(options.seed) + uint64_t(k)));
   }
-  place_boxes(path, seed, boxes, movers);
-  place_pillar();
-  paint(seed);
-}
-
-void Scene::place_boxes(const Path& path, uint64_t seed, int boxes, int movers) {
   std::vector<Vec3> points;
   for (double t_s = 0; t_s < path.duration_s(); t_s += kPathStep_s) {
     points.push_back(path.at(t_s).p_WB);
   }
   points.push_back(path.at(path.duration_s()).p_WB);
-  Vec3 lo = points[0];
-  Vec3 hi = points[0];
-  for (const Vec3& p : points) {
-    lo = lo.cwiseMin(p);
-    hi = hi.cwiseMax(p);
+  if (options.room) {
+    build_hall(kFlightLo, kFlightHi);
+  } else {
+    Vec3 lo = points[0], hi = points[0];
+    for (const Vec3& p : points) {
+      lo = lo.cwiseMin(p);
+      hi = hi.cwiseMax(p);
+    }
+    build_hall(lo, hi);
   }
+  place_boxes(points);
+  place_pillar();
+  paint();
+  take_away();
+}
+
+void Scene::build_hall(const Vec3& lo, const Vec3& hi) {
   // A short flight still gets a hall, not a cupboard.
   const Vec3 grow = (Vec3(4, 3, 0) - (hi - lo)).cwiseMax(0) / 2;
-  lo -= grow + Vec3(kHallMargin_m, kHallMargin_m, 1.0);
-  hi += grow + Vec3(kHallMargin_m, kHallMargin_m, 1.8);
+  lo_ = lo - (grow + Vec3(kHallMargin_m, kHallMargin_m, 1.0));
+  hi_ = hi + (grow + Vec3(kHallMargin_m, kHallMargin_m, 1.8));
   Box hall{};
   for (int a = 0; a < 3; ++a) {
-    hall.lo[a] = float(lo[a]);
-    hall.hi[a] = float(hi[a]);
+    hall.lo[a] = float(lo_[a]);
+    hall.hi[a] = float(hi_[a]);
   }
   boxes_.push_back(hall);
-  Random random(seed, 4);
-  for (int tries = 0; int(boxes_.size()) <= boxes && tries < 20000; ++tries) {
-    const double size[3] = {random.uniform(0.2, 1.5), random.uniform(0.2, 1.5),
-                            random.uniform(0.3, 2.2)};
-    const bool stands = random.uniform() < 0.75;
+}
+
+void Scene::place_boxes(const std::vector<Vec3>& path) {
+  // What moves is another each day, and whatever stands in the room stands without it.
+  Random random(options_.seed, 4), visit(options_.visit, 6);
+  const int movers = options_.room ? options_.movers : std::min(options_.movers, options_.boxes);
+  const int static_boxes = options_.room ? options_.boxes : options_.boxes - movers;
+  const auto standing = [&] { return int(boxes_.size() - movers_.size()) - 1; };
+  for (int tries = 0; tries < 20000; ++tries) {
+    // In a room they come last.
+    const bool moves =
+        int(movers_.size()) < movers && (!options_.room || standing() == static_boxes);
+    if (!moves && standing() == static_boxes) break;
+    Random& from = moves && options_.room ? visit : random;
+    const double size[3] = {from.uniform(0.2, 1.5), from.uniform(0.2, 1.5), from.uniform(0.3, 2.2)};
+    const bool stands = from.uniform() < 0.75;
     Box box{};
     for (int a = 0; a < 3; ++a) {
-      const double from = a == 2 && stands ? lo[a] : random.uniform(lo[a], hi[a] - size[a]);
-      box.lo[a] = float(from);
-      box.hi[a] = float(from + size[a]);
+      const double begin = a == 2 && stands ? lo_[a] : from.uniform(lo_[a], hi_[a] - size[a]);
+      box.lo[a] = float(begin);
+      box.hi[a] = float(begin + size[a]);
     }
-    const bool moves = int(movers_.size()) < movers;
-    const float v[2] = {float(random.uniform(-0.4, 0.4)), float(random.uniform(-0.4, 0.4))};
-    if (!clear(box, points, kClearance_m + (moves ? 0.6 : 0))) continue;
-    if (moves) movers_.push_back({int(boxes_.size()), {v[0], v[1]}, float(random.uniform(0, 6))});
+    const float v[2] = {float(from.uniform(-0.4, 0.4)), float(from.uniform(-0.4, 0.4))};
+    const bool fits = options_.room ? !overlaps(box, kFlightLo, kFlightHi)
+                                    : clear(box, path, kClearance_m + (moves ? 0.6 : 0));
+    if (!fits) continue;
+    if (moves) movers_.push_back({int(boxes_.size()), {v[0], v[1]}, float(from.uniform(0, 6))});
     boxes_.push_back(box);
   }
 }
 
 // The last box, so that all others are as they would be without it.
 void Scene::place_pillar() {
-  if (pillar_.width_m <= 0) return;
+  const Pillar& pillar = options_.pillar;
+  if (pillar.width_m <= 0) return;
   const Box& hall = boxes_[0];
   Box box{};
   for (int a = 0; a < 2; ++a) {
-    box.lo[a] = float(pillar_.p_W[a] - pillar_.width_m / 2);
-    box.hi[a] = float(pillar_.p_W[a] + pillar_.width_m / 2);
+    box.lo[a] = float(pillar.p_W[a] - pillar.width_m / 2);
+    box.hi[a] = float(pillar.p_W[a] + pillar.width_m / 2);
   }
   box.lo[2] = hall.lo[2];
   box.hi[2] = hall.hi[2];
@@ -113,11 +137,14 @@ void Scene::place_pillar() {
   boxes_.push_back(box);
 }
 
-void Scene::paint(uint64_t seed) {
-  Random random(seed, 5);
+void Scene::paint() {
+  Random random(options_.seed, 5), visit(options_.visit, 8);
   const Box& hall = boxes_[0];
   for (auto& lamp : lamps_) {
     for (int a = 0; a < 2; ++a) lamp[a] = float(random.uniform(hall.lo[a], hall.hi[a]));
+    if (options_.relit) {
+      for (int a = 0; a < 2; ++a) lamp[a] = float(visit.uniform(hall.lo[a], hall.hi[a]));
+    }
     lamp[2] = hall.hi[2] - 0.2f;
   }
   faces_.resize(boxes_.size() * 6);
@@ -129,6 +156,20 @@ void Scene::paint(uint64_t seed) {
     face.offset_u = float(random.uniform(0, Texture::kSize));
     face.offset_v = float(random.uniform(0, Texture::kSize));
     light_face(boxes_[i / 6], int(i % 6), face, float(random.uniform(0.75, 1.25)));
+  }
+}
+
+// Behind the walls, where no ray comes: all others keep their numbers.
+void Scene::take_away() {
+  constexpr float kFar_m = 1000;
+  Random random(options_.visit, 7);
+  const int standing = int(boxes_.size() - movers_.size()) - 1 - (pillar_box_ > 0 ? 1 : 0);
+  int wanted = int(std::lround(options_.gone * standing));
+  for (int left = standing, box = 1; left > 0 && wanted > 0; --left, ++box) {
+    if (random.integer(left) >= wanted) continue;
+    boxes_[size_t(box)].lo[2] -= kFar_m;
+    boxes_[size_t(box)].hi[2] -= kFar_m;
+    --wanted;
   }
 }
 
@@ -167,13 +208,14 @@ void Scene::boxes_at(double t_s, std::vector<Box>& out) const {
     }
   }
   if (pillar_box_ == 0) return;
-  double way_m = pillar_.sway_m * std::sin(kSway_rad_s * t_s);
-  if (pillar_.from_s > 0) {
-    const double come = std::clamp((t_s - pillar_.from_s) / kComeIn_s, 0.0, 1.0);
-    way_m += kAside * pillar_.width_m * (1 - come * come * (3 - 2 * come));
+  const Pillar& pillar = options_.pillar;
+  double way_m = pillar.sway_m * std::sin(kSway_rad_s * t_s);
+  if (pillar.from_s > 0) {
+    const double come = std::clamp((t_s - pillar.from_s) / kComeIn_s, 0.0, 1.0);
+    way_m += kAside * pillar.width_m * (1 - come * come * (3 - 2 * come));
   }
   for (int a = 0; a < 2; ++a) {
-    const float step_m = float(way_m * pillar_.sideways_W[a]);
+    const float step_m = float(way_m * pillar.sideways_W[a]);
     out[size_t(pillar_box_)].lo[a] += step_m;
     out[size_t(pillar_box_)].hi[a] += step_m;
   }

@@ -1,6 +1,7 @@
 // What    A textured hall with boxes in it, and what a ray through it hits.
-// In      The volume to keep free for the flight; seed; number of boxes, and how many of them move;
-//         a pillar, if wanted, that goes to and fro before the camera.
+// In      The flight to keep free of boxes, or a room that is the same for every flight; seed;
+//         number of boxes, and how many of them move; a pillar, if wanted, that goes to and fro
+//         before the camera.
 // Out     Hit: distance and surface of the first thing on a ray; shade(): its brightness.
 // Frames  W, z up. Walls are parallel to the axes.
 // Units   m; brightness 0..255 at normal exposure.
@@ -41,9 +42,19 @@ struct Pillar {
   double from_s = 0;                // comes in from the side then; 0: is there from the start
 };
 
+struct SceneOptions {
+  uint64_t seed = 1;  // of hall, boxes and textures
+  int boxes = 40, movers = 0;
+  bool room = false;   // boxes stand along the walls, outside of where any flight may go
+  uint64_t visit = 1;  // seed of what is another in the same room on another day:
+  double gone = 0;     // this share of the boxes
+  bool relit = false;  // lamps hang elsewhere
+  Pillar pillar;
+};
+
 class Scene {
  public:
-  Scene(const Path& path, uint64_t seed, int boxes, int movers, const Pillar& pillar = {});
+  Scene(const Path& path, const SceneOptions& options);
 
   // The boxes as they stand at t_s; boxes[0] is the hall.
   void boxes_at(double t_s, std::vector<Box>& out) const;
@@ -72,13 +83,16 @@ class Scene {
   std::vector<Box> boxes_;
   std::vector<Face> faces_;  // 6 per box
   std::vector<Mover> movers_;
-  Pillar pillar_;
+  SceneOptions options_;
+  Vec3 lo_, hi_;        // of the hall
   int pillar_box_ = 0;  // 0: none
   float lamps_[4][3];
 
-  void place_boxes(const Path& path, uint64_t seed, int boxes, int movers);
+  void build_hall(const Vec3& lo, const Vec3& hi);
+  void place_boxes(const std::vector<Vec3>& path);
   void place_pillar();
-  void paint(uint64_t seed);
+  void paint();
+  void take_away();
   void light_face(const Box& box, int side, Face& face, float albedo) const;
 };
 

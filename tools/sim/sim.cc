@@ -123,6 +123,25 @@ Pillar make_pillar(const SimOptions& options, const Device& device, const Path& 
   return pillar;
 }
 
+SceneOptions make_scene_options(const SimOptions& options, const Pillar& pillar) {
+  SceneOptions out;
+  out.room = options.room != 0;
+  if (!out.room && (options.gone > 0 || options.relit)) {
+    throw InputError("needs a room", "--gone, --relit", "add --room NUMBER");
+  }
+  if (out.room && options.path != "spline" && options.path != "rest") {
+    throw InputError("a room is for flights", "--path " + options.path, "use spline or rest");
+  }
+  out.seed = out.room ? options.room : options.seed;
+  out.visit = options.seed;
+  out.boxes = options.boxes;
+  out.movers = options.movers;
+  out.gone = options.gone;
+  out.relit = options.relit;
+  out.pillar = pillar;
+  return out;
+}
+
 void write_transform(Text& file, const SE3& T) {
   file.print("T_BS:\n  cols: 4\n  rows: 4\n  data: [");
   for (int i = 0; i < 3; ++i) {
@@ -289,8 +308,7 @@ void simulate(const SimOptions& options, const SimProgress& progress) {
   }
   const Device device = make_device(options);
   Path path = make_path(options, device);
-  Scene scene(path, options.seed, options.boxes, options.movers,
-              make_pillar(options, device, path));
+  Scene scene(path, make_scene_options(options, make_pillar(options, device, path)));
   Job job{options, device, std::move(path), std::move(scene), {}};
   const double end_s = job.path.duration_s() - kLastFrame_s;
   for (size_t i = 0;; ++i) {

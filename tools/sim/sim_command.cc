@@ -42,6 +42,14 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option("--movers", o.movers, "number of boxes that move")
       ->capture_default_str()
       ->check(CLI::Range(0, 500));
+  app.add_option("--room", o.room,
+                 "number of a hall that is the same for every flight, whatever its --seed; 0: the "
+                 "hall is the flight's own")
+      ->capture_default_str();
+  app.add_option("--gone", o.gone, "of a room: share of its boxes that were taken away")
+      ->capture_default_str()
+      ->check(CLI::Range(0.0, 1.0));
+  app.add_flag("--relit", o.relit, "of a room: its lamps hang elsewhere");
   app.add_option("--mover", o.mover,
                  "share of the view covered by an object that moves in front of the camera")
       ->capture_default_str()

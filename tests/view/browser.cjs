@@ -1,0 +1,328 @@
+// Looks at `pirvs view` with a browser, clicks, and writes what came of it as JSON on its last line:
+//   node browser.cjs PROGRAM replay|device|run SOURCE FOLDER [PICTURE]
+// FOLDER: of maps. PICTURE: beginning of names of PNGs to be taken. NODE_PATH: playwright-core.
+const {spawn} = require('child_process');
+const dgram = require('dgram');
+const http = require('http');
+const {chromium} = require('playwright-core');
+const {Device} = require('./device.cjs');
+
+const [program, what, source, folder, picture] = process.argv.slice(2);
+const kBrowser = process.env.PIRVS_CHROMIUM || '/usr/bin/chromium';
+const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
+const out = {errors: []};
+
+// ---- the program --------------------------------------------------------------------------------
+
+// Serves when it says where.
+function start(args) {
+  const child = spawn(program, ['view', ...args], {stdio: ['ignore', 'ignore', 'pipe']});
+  child.said = '';
+  const ready = new Promise((done, failed) => {
+    child.stderr.on('data', (text) => {
+      child.said += text;
+      const found = child.said.match(/pirvs: view: (http:\S+)/);
+      if (found) done(found[1]);
+    });
+    child.on('exit', (code) => failed(new Error(`ended with ${code}: ${child.said}`)));
+  });
+  children.push(child);
+  return ready.then((address) => ({child, address}));
+}
+const children = [];
+
+function ended(child) {
+  return child.exitCode !== null || child.signalCode !== null ? Promise.resolve()
+    : new Promise((done) => child.on('exit', done));
+}
+
+// ---- the page -----------------------------------------------------------------------------------
+
+async function until(page, what, condition, argument, timeout = 8000) {
+  try {
+    await page.waitForFunction(condition, argument, {timeout, polling: 50});
+  } catch (error) {
+    throw new Error(`${what}: ${error.message.split('\n')[0]}`);
+  }
+}
+
+async function shoot(page, name) {
+  if (picture) await page.screenshot({path: `${picture}-${name}.png`});
+}
+
+const statistics = (list) => {
+  const sorted = [...list].sort((a, b) => a - b);
+  const at = (q) => sorted[Math.floor(q * (sorted.length - 1))];
+  return {median: at(0.5), p99: at(0.99), max: at(1), count: sorted.length};
+};
+
+// The answer that the page shows for a line of a command.
+async function answer(page, line) {
+  await until(page, `answer to ${line}`, (begin) => {
+    const newest = document.querySelector('.answer');
+    return newest && newest.textContent.startsWith(begin + ' → ');
+  }, line);
+  return page.evaluate(() => document.querySelector('.answer').textContent.split(' → ')[1]);
+}
+
+async function measure(page, seconds) {
+  await page.evaluate(() => { pirvsView.stats.lag_ms.length = 0; });
+  const begin = await page.evaluate(() => [pirvsView.stats.drawn, performance.now(),
+                                           pirvsView.images.shown, pirvsView.stats.states]);
+  await sleep(1000 * seconds);
+  const end = await page.evaluate(() => [pirvsView.stats.drawn, performance.now(),
+                                         pirvsView.images.shown, pirvsView.stats.states]);
+  const passed_s = (end[1] - begin[1]) / 1000;
+  return {
+    drawn_hz: (end[0] - begin[0]) / passed_s, images_hz: (end[2] - begin[2]) / passed_s,
+    states_hz: (end[3] - begin[3]) / passed_s,
+    lag_ms: statistics(await page.evaluate(() => pirvsView.stats.lag_ms)),
+    ratio: await page.evaluate(() => pirvsView.view.ratio),
+  };
+}
+
+// What the browser draws at best on this machine now: a page that only turns from black to white.
+function emptyPage(page) {
+  return page.evaluate(() => new Promise((done) => {
+    const begin = performance.now();
+    let drawn = 0;
+    const draw = (now) => {
+      document.body.style.background = ++drawn % 2 ? '#000' : '#fff';
+      if (now < begin + 1500) requestAnimationFrame(draw);
+      else done(drawn * 1000 / (now - begin));
+    };
+    requestAnimationFrame(draw);
+  }));
+}
+
+// ---- a replay -----------------------------------------------------------------------------------
+
+async function layersAndViews(page) {
+  for (const layer of ['path', 'points', 'keyframes', 'gnss', 'earlier', 'grid']) {
+    const shown = () => page.evaluate((name) => pirvsView.view.layers[name][0].parent.visible,
+                                      layer);
+    const before = await shown();
+    await page.click('#layer-' + layer);
+    const hidden = before && !await shown();
+    await page.click('#layer-' + layer);
+    out.layers = (out.layers || 0) + (hidden && await shown() ? 1 : 0);
+  }
+  await page.click('#top');
+  out.top = await page.evaluate(() => {
+    const d = pirvsView.view.camera.position.clone().sub(pirvsView.view.controls.target);
+    return d.z / d.length();
+  });
+  await page.click('#fit');
+  out.follows_after_fit = await page.evaluate(() => pirvsView.view.follow);
+  await page.click('#follow');
+  await page.keyboard.press('f');
+  await page.keyboard.press('f');
+  out.follows = await page.evaluate(() => pirvsView.view.follow);
+  const theme = () => page.evaluate(() => document.documentElement.dataset.theme);
+  const before = await theme();
+  await page.click('#theme');
+  out.theme_changes = before !== await theme();
+  await page.keyboard.press('d');
+  await page.keyboard.press('?');
+  out.help_opens = await page.isVisible('#help table');
+  await page.keyboard.press('Escape');
+  out.help_closes = !await page.isVisible('#help table');
+}
+
+async function sure(page, button) {
+  await page.click(button);
+  await page.click(button + '.sure');
+}
+
+async function commands(page) {
+  await page.keyboard.press('m');
+  out.answers = {};
+  const fill = async (name, value) => page.fill(`#commands [name=${name}]`, value);
+  await fill('x', '10');
+  await fill('y', '-5');
+  await fill('z', '2');
+  await fill('yaw', '90');
+  await page.click('#command-pose');
+  out.answers.pose = await answer(page, 'pose 10 -5 2 90');
+  await until(page, 'the pose that was set',
+              () => Math.hypot(pirvsView.state.p[0] - 10, pirvsView.state.p[1] + 5) < 3);
+  await fill('parameter', 'health.lost_s');
+  await fill('value', '2');
+  await page.click('#command-parameter');
+  out.answers.parameter = await answer(page, 'parameter health.lost_s 2');
+  await fill('parameter', 'no.such');
+  await page.click('#command-parameter');
+  out.answers.wrong = await answer(page, 'parameter no.such 2');
+  await fill('name', 'seen.bin');
+  await page.click('#command-map-save');
+  out.answers.save = await answer(page, 'map save seen.bin');
+  await sure(page, '#command-map-load');
+  out.answers.load = await answer(page, 'map load seen.bin');
+  await sure(page, '#command-reset');
+  out.answers.reset = await answer(page, 'reset');
+  await page.keyboard.press('e');
+  await until(page, 'the event of the reset',
+              () => document.getElementById('events').textContent.includes('reset by command'));
+  await page.keyboard.press('n');
+  await until(page, 'counters', () => document.querySelectorAll('#counter-table tr').length > 5);
+  await page.fill('#filter', 'keyframes');
+  await until(page, 'filtered counters',
+              () => [...document.querySelectorAll('#counter-table tr')].every(
+                  (row) => row.textContent.includes('keyframes')));
+  await page.click('[data-tab=system]');
+  await until(page, 'load', () => /\d+ %/.test(document.getElementById('system').textContent));
+}
+
+// What a page of another site would get from this machine.
+function foreign(address, origin, host) {
+  return new Promise((done) => {
+    const url = new URL(address);
+    const request = http.request({
+      host: url.hostname, port: url.port, headers: {
+        Host: host || url.host, Origin: origin, Connection: 'Upgrade', Upgrade: 'websocket',
+        'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ==', 'Sec-WebSocket-Version': '13',
+        'Sec-WebSocket-Protocol': 'pirvs-view'},
+    });
+    request.on('upgrade', (_, socket) => { socket.destroy(); done('taken'); });
+    request.on('response', (response) => done(String(response.statusCode)));
+    request.on('error', () => done('refused'));
+    request.end();
+  });
+}
+
+async function replay(page) {
+  const {child, address} = await start([source, '--port', '0', '--files', folder]);
+  out.empty_hz = await emptyPage(page);
+  await page.goto(address);
+  await until(page, 'a pose', () => pirvsView.state !== null, null, 15000);
+  await until(page, 'images', () => pirvsView.images.shown > 2);
+  await sleep(2500);  // until the page has found its size
+  out.measured = await measure(page, 4);
+  out.map = await page.evaluate(() => ({
+    points: pirvsView.view.pointAt.size, path: pirvsView.view.pathRows.length,
+    keyframes: pirvsView.view.keyframeData.count / 16, health: pirvsView.state.health,
+    source: document.getElementById('source').textContent}));
+  await shoot(page, 'dark');
+  await layersAndViews(page);
+  await page.click('#theme');
+  await page.click('#fit');
+  await sleep(600);
+  await shoot(page, 'light');
+  await page.click('#follow');
+  await commands(page);
+  await page.click('#forget');
+  await until(page, 'a cleared path', () => pirvsView.view.pathRows.length < 50);
+  out.foreign = await foreign(address, 'http://evil.example');
+  out.rebound = await foreign(address, 'http://evil.example', 'evil.example');
+  out.own = await foreign(address, new URL(address).origin);
+  await reconnect(page, child, address);
+}
+
+// The program is killed, and comes back.
+async function reconnect(page, child, address) {
+  child.kill('SIGKILL');
+  await ended(child);
+  await until(page, 'a lost connection', () => !pirvsView.connected
+      && document.getElementById('link').textContent === 'reconnecting');
+  const begin = Date.now();
+  const again = await start([source, '--port', new URL(address).port, '--files', folder]);
+  await until(page, 'a new pose', () => pirvsView.connected && pirvsView.state !== null
+      && pirvsView.stats.states > 0, null, 15000);
+  out.reconnect_ms = Date.now() - begin;
+  await page.keyboard.press('m');
+  await sure(page, '#command-stop');
+  await until(page, 'the end', () => pirvsView.source.state === 'ended');
+  again.child.kill('SIGTERM');
+  await ended(again.child);
+  out.exit_status = again.child.exitCode;
+}
+
+// ---- a device -----------------------------------------------------------------------------------
+
+function freePort() {
+  return new Promise((done) => {
+    const socket = dgram.createSocket('udp4');
+    socket.bind(0, '127.0.0.1', () => {
+      const {port} = socket.address();
+      socket.close(() => done(port));
+    });
+  });
+}
+
+async function device(page) {
+  const port = await freePort();
+  let far = new Device(port);
+  const {address} = await start([`udp:127.0.0.1:${port}`, '--port', '0']);
+  out.empty_hz = await emptyPage(page);
+  await page.goto(address);
+  await until(page, 'a pose', () => pirvsView.state !== null);
+  await until(page, 'points', () => pirvsView.view.pointAt.size === 3);
+  await sleep(1500);
+  out.measured = await measure(page, 2);
+  out.radius = await page.evaluate(() => Math.hypot(pirvsView.state.p[0], pirvsView.state.p[1]));
+  out.confidence = await page.evaluate(() => pirvsView.state.confidence);
+  await shoot(page, 'device');
+  far.close();
+  await until(page, 'a device that went', () => pirvsView.source.state === 'waiting');
+  far = new Device(port);
+  await until(page, 'a device that came', () => pirvsView.source.state === 'connected');
+  const states = await page.evaluate(() => pirvsView.stats.states);
+  await until(page, 'new poses', (before) => pirvsView.stats.states > before + 20, states);
+  out.came_back = true;
+  far.close();
+}
+
+// ---- a finished run -----------------------------------------------------------------------------
+
+async function run(page) {
+  const {address} = await start([source, '--port', '0', '--earlier-map', source + '/map.ply']);
+  await page.goto(address);
+  await until(page, 'the run', () => pirvsView.player.count > 0 && pirvsView.state !== null);
+  await until(page, 'the map', () => pirvsView.view.pointAt.size > 0
+      && pirvsView.view.earlierData.count > 0);
+  out.rows = await page.evaluate(() => pirvsView.player.count);
+  const p = () => page.evaluate(() => pirvsView.state.p.join());
+  const last = await p();
+  await page.focus('#slider');
+  await page.evaluate(() => {
+    const slider = document.getElementById('slider');
+    slider.value = Math.floor(slider.max / 2);
+    slider.dispatchEvent(new Event('input'));
+  });
+  await sleep(300);
+  await shoot(page, 'run');
+  const middle = await p();
+  out.slider_moves = last !== middle;
+  await page.keyboard.press('ArrowRight');
+  out.key_moves = middle !== await p();
+  await page.click('#play');
+  await sleep(700);
+  await page.click('#play');
+  out.plays = await page.evaluate(() => pirvsView.player.index) > out.rows / 2 + 5;
+}
+
+async function main() {
+  const browser = await chromium.launch({
+    executablePath: kBrowser,
+    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
+           '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']});
+  try {
+    const page = await browser.newPage({viewport: {width: 1280, height: 760}, colorScheme: 'dark'});
+    page.setDefaultTimeout(8000);
+    page.on('pageerror', (error) => out.errors.push(String(error)));
+    page.on('console', (message) => {
+      if (message.type() === 'error' && !/WebSocket connection/.test(message.text())) {
+        out.errors.push(message.text());
+      }
+    });
+    await {replay, device, run}[what](page);
+  } finally {
+    await browser.close();
+    for (const child of children) child.kill('SIGKILL');
+  }
+}
+
+main().catch((error) => out.errors.push(String(error.message || error))).then(() => {
+  console.log(JSON.stringify(out));
+  process.exit(0);
+});

@@ -1,0 +1,75 @@
+"""What lies in our packages beside programs, man pages and completion."""
+
+from pathlib import Path
+
+MAINTAINER = "PIRVS maintainers <maintainers@pirvs.invalid>"
+# What lintian finds and we mean: one static file runs on any Linux, whatever libraries it has.
+MEANT = ("statically-linked-binary", "embedded-library")
+PROGRAMS = {"pirvs": ("pirvs",), "pirvsd": ("pirvsd", "pirvs-usb")}
+IMAGE = "board/ironsides/image/root"
+
+ABOUT = {
+    "pirvs": """visual-inertial SLAM on recordings, and its tools
+ Where a stereo camera and an IMU went: pirvs runs recordings (EuRoC folders,
+ ROS bags, MCAP), judges them, draws simulated ones, and listens to devices.""",
+    "pirvsd": """visual-inertial SLAM live: a stereo camera and an IMU as a pose sensor
+ Tracks two cameras of V4L2 and an IMU of IIO, and gives out poses with their
+ uncertainty, as lines, as datagrams, by USB and to autopilots.""",
+}
+
+# The card's units, as a distribution wants them: (what stands there, what stands here).
+UNITS = {
+    "pirvsd.service": (
+        ("RequiresMountsFor=/config\n",
+         "Documentation=man:pirvsd(1)\n"
+         "# Without a calibration there is nothing to track, and no reason to fail.\n"
+         "ConditionPathExists=/etc/pirvs/calibration.cfg\n"),
+        ("/config/device.cfg", "/etc/pirvs/pirvsd.cfg"),
+        ("ReadWritePaths=-/recordings\n", "StateDirectory=pirvs\n"),
+    ),
+    "pirvs-usb.service": (
+        ("RequiresMountsFor=/config /sys/kernel/config\n",
+         "Documentation=man:pirvs-usb(1)\nRequiresMountsFor=/sys/kernel/config\n"),
+        ("ExecStartPre=-modprobe", "ExecStartPre=-/sbin/modprobe"),
+        ("/config/device.cfg", "/etc/pirvs/pirvsd.cfg"),
+    ),
+}
+
+
+def unit(name, root):
+    text = (root / IMAGE / "lib/systemd/system" / name).read_text()
+    for before, after in UNITS[name]:
+        if before not in text:
+            raise SystemExit(f"deb: {name} of the card has no {before!r} any more")
+        text = text.replace(before, after)
+    return text
+
+
+def files(package, root):
+    """{path: content}"""
+    if package == "pirvs":
+        return {}
+    here = Path(__file__).resolve().parent
+    return {
+        "usr/share/lintian/overrides/pirvsd": "".join(f"pirvsd: {tag} *\n" for tag in MEANT),
+        "etc/pirvs/pirvsd.cfg": (here / "pirvsd.cfg").read_text(),
+        "lib/udev/rules.d/60-pirvsd.rules": (here / "60-pirvsd.rules").read_text(),
+        **{f"lib/systemd/system/{name}": unit(name, root) for name in UNITS},
+    }
+
+
+def control(package, arch, version, size_kib, built_of):
+    needs = [f"{part.name} (>= {part.least})" if part.least else part.name
+             for part in built_of if part.how == "DYNAMIC_LINK"]
+    static = [f"{part.source} (= {part.source_version})" for part in built_of
+              if part.how == "STATIC_LINK"]
+    fields = {
+        "Package": package, "Version": version, "Architecture": arch,
+        "Maintainer": MAINTAINER, "Installed-Size": str(size_kib),
+        "Depends": ", ".join(needs),
+        "Recommends": "" if package == "pirvs" else "kmod, udev",
+        "Built-Using": ", ".join(sorted(set(static))),
+        "Section": "science" if package == "pirvs" else "electronics", "Priority": "optional",
+        "Description": ABOUT[package],
+    }
+    return "".join(f"{name}: {value}\n" for name, value in fields.items() if value)
