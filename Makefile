@@ -50,7 +50,8 @@ BELOW_TOOLS := -fno-exceptions -fno-rtti
 
 help: ## this list
 	@echo "PIRVS: visual-inertial SLAM for a stereo camera and an IMU. Commands:"
-	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile make/host.mk | expand -t 22
+	@sed -nE 's/^([a-z-]+):.*## (.*)/  make \1\t\2/p' Makefile make/host.mk make/package.mk \
+	  | expand -t 22
 	@echo "Options: SEQ=recording ARGS='for pirvs run' (run), T=name (test, fuzz), K=name (bench),"
 	@echo "  SAN=address|thread (test: that sanitizer everywhere), SECONDS=600 (fuzz),"
 	@echo "  ARCH=native (all: for this machine's processor alone)"

@@ -1,6 +1,6 @@
 # What people get beside the program: the site of the docs, Debian packages. Included by
 # board/host/board.mk; no object depends on this file.
-.PHONY: docs deb deb-test sweep
+.PHONY: docs deb deb-test sweep people-test
 
 docs: | $(BUILD)/setup.stamp ## the docs as a site, build/docs/index.html; finds dead links
 	@tools/site/build $(BUILD)/docs
@@ -22,3 +22,8 @@ deb-test: deb ## install the packages into a fresh Debian root, and purge them
 
 sweep: $(OUT)/pirvs ## many runs, one table: ARGS='--recording PATH --seeds 1-5 --set name=a,b'
 	@tools/sweep/sweep --pirvs $(OUT)/pirvs --out $(BUILD)/sweep $(ARGS)
+
+# A cluster, a broker, a newcomer, packages: minutes, and daemons. Of `make nightly`.
+people-test: $(OUT)/pirvs
+	@for tool in sweep fleet site deb; do \
+	  PIRVS_NIGHTLY=1 /usr/bin/python3 -B -m unittest discover -q -s tools/$$tool -p '*_test.py'; done

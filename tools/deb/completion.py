@@ -44,7 +44,9 @@ class Program:
 
     @staticmethod
     def usage(text):
-        return re.sub(r"(?m)^usage:", "Usage:", text)
+        """What help2man takes for the synopsis: one line."""
+        text = re.sub(r"(?m)^usage:", "Usage:", text)
+        return re.sub(r"(?m)^(Usage: .*)\n +(?=\[)", r"\1 ", text)
 
     @staticmethod
     def options(text):

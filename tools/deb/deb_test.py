@@ -54,6 +54,7 @@ def build_programs(folder):
         subprocess.run(["gcc", *static, source, "-o", Path(folder) / name], check=True)
 
 
+@unittest.skipUnless(os.environ.get("PIRVS_NIGHTLY"), "for make nightly")
 @unittest.skipUnless(shutil.which("dpkg-deb") and shutil.which("help2man"), "no help2man here")
 @unittest.skipUnless(os.uname().machine == "x86_64", "for amd64")
 class Packages(unittest.TestCase):
@@ -89,7 +90,8 @@ class Packages(unittest.TestCase):
         listed = subprocess.run(["dpkg-deb", "-c", package], text=True, capture_output=True).stdout
         for path in ("lib/systemd/system/pirvsd.service", "usr/share/man/man1/pirvsd.1.gz",
                      "etc/pirvs/pirvsd.cfg", "usr/share/bash-completion/completions/pirvs-usb",
-                     "lib/udev/rules.d/60-pirvsd.rules", "usr/share/zsh/vendor-completions/_pirvsd"):
+                     "lib/udev/rules.d/60-pirvsd.rules",
+                     "usr/share/zsh/vendor-completions/_pirvsd"):
             self.assertIn(f" ./{path}\n", listed)
         self.assertNotIn("/config/", contents.unit("pirvsd.service", HERE.parents[1]))
         told = json.loads(bill.read_text())
@@ -102,10 +104,9 @@ class Packages(unittest.TestCase):
 
     @unittest.skipUnless(shutil.which("lintian"), "no lintian here")
     def test_lintian_finds_no_error(self):
-        for package in contents.PROGRAMS:
-            done = subprocess.run(["lintian", "--fail-on", "error", "--allow-root",
-                                   self.build(package, "four")[0]], text=True, capture_output=True)
-            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = subprocess.run(["lintian", "--fail-on", "error", "--allow-root",
+                               self.build("pirvsd", "four")[0]], text=True, capture_output=True)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
 
     def test_completion(self):
         program = completion.Program(self.root / "pirvs")

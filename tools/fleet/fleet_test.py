@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import io
 import json
+import os
 import shutil
 import subprocess
 import sys
@@ -76,6 +77,7 @@ class Words(unittest.TestCase):
             self.assertEqual(len(done.stderr.strip().splitlines()), 1, done.stderr)
 
 
+@unittest.skipUnless(os.environ.get("PIRVS_NIGHTLY"), "for make nightly")
 @unittest.skipUnless(MOSQUITTO, "no mosquitto here")
 class AtABroker(unittest.TestCase):
     def test_fifty_replays(self):

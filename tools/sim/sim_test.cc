@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <map>
@@ -184,7 +185,12 @@ TEST(sim, drawing_on_gives_what_drawing_anew_gives) {
   pillar.sway_m = 0.6;
   const Vec3 ahead_W = path.at(0).R_WB * (device.calibration.camera[0].T_BC.R * Vec3::UnitZ());
   pillar.p_W = path.at(0).p_WB + 1.5 * ahead_W;
-  const Scene scene(path, 4, 12, 4, pillar);
+  SceneOptions options;
+  options.seed = 4;
+  options.boxes = 12;
+  options.movers = 4;
+  options.pillar = pillar;
+  const Scene scene(path, options);
   Renderer on(device.calibration.camera[0], scene, path);
   std::vector<uint8_t> drawn_on, anew;
   Exposure exposure;
@@ -194,6 +200,34 @@ TEST(sim, drawing_on_gives_what_drawing_anew_gives) {
   }
   Renderer(device.calibration.camera[0], scene, path).render(exposure, anew);
   EXPECT_TRUE(drawn_on == anew);
+}
+
+TEST(sim, a_room_is_the_same_for_every_flight_but_for_what_is_gone) {
+  const Mat3& R_LB = find_device("euroc")->R_LB;
+  const Path monday = Path::flight(1, 0.5, 30, R_LB), tuesday = Path::flight(2, 0.5, 30, R_LB);
+  SceneOptions options;
+  options.room = true;
+  options.seed = 7;
+  options.boxes = 50;
+  std::vector<Box> before, after;
+  Scene(monday, options).boxes_at(0, before);
+  options.visit = 2;
+  options.gone = 0.3;
+  options.movers = 3;
+  Scene(tuesday, options).boxes_at(0, after);
+  ASSERT_EQ(before.size(), 51u) << "the hall, and what stands in it";
+  ASSERT_EQ(after.size(), 54u);
+  int same = 0;
+  for (size_t i = 0; i < before.size(); ++i) {
+    same += std::memcmp(&before[i], &after[i], sizeof(Box)) == 0 ? 1 : 0;
+  }
+  EXPECT_EQ(same, 36) << "15 of 50 are gone";
+  for (const Path* path : {&monday, &tuesday}) {
+    for (double t_s = 0; t_s < 30; t_s += 0.1) {
+      const Vec3 p = path->at(t_s).p_WB;
+      ASSERT_TRUE((p - kFlightLo).minCoeff() > 0 && (kFlightHi - p).minCoeff() > 0) << t_s;
+    }
+  }
 }
 
 TEST(sim, path_derivatives_match_numeric) {
@@ -348,7 +382,10 @@ TEST(sim, a_rendered_point_lies_where_the_camera_model_says) {
   for (const char* name : {"euroc", "ironsides"}) {
     const Device& device = *find_device(name);
     const Path path = Path::flight(4, 0, 8, device.R_LB);
-    const Scene scene(path, 4, 12, 0);
+    SceneOptions options;
+    options.seed = 4;
+    options.boxes = 12;
+    const Scene scene(path, options);
     const Camera* const camera = device.calibration.camera;
     const double t_s[2] = {5.0, 5.1};
     std::vector<uint8_t> image[2];

@@ -24,6 +24,7 @@ def call(*words):
 
 
 class Pages(unittest.TestCase):
+    @unittest.skipUnless(os.environ.get("PIRVS_NIGHTLY"), "for make nightly")
     @has_program
     def test_a_newcomers_path_ends_with_poses_and_a_page(self):
         done = call(sys.executable, HERE / "try_commands", "--pirvs", PIRVS)

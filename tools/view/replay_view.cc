@@ -161,7 +161,7 @@ void ReplayView::answer(const Answer& answer) {
     asked_.erase(at);
   }
   Text<160> line;
-  board::put_answer(line, answer.kind, answer.status);
+  board::put_answer(line, answer);
   scene_.answer(id, line.c_str());
 }
 
@@ -178,7 +178,7 @@ void ReplayView::obey(const std::string& id, const std::string& line) {
         asked_[ticket.value()] = id;
         return;
       }
-      board::put_answer(answer, request.command.kind, ticket.status());
+      board::put_answer(answer, {0, request.command.kind, ticket.status(), SE3{}});
       break;
     }
     case board::RequestKind::kBad:
