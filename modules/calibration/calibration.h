@@ -7,6 +7,7 @@
 
 #include "core/base/time.h"
 #include "core/camera/camera.h"
+#include "modules/imu/imu_intrinsics.h"
 #include "modules/imu/imu_noise.h"
 #include "modules/wheels/wheel_calibration.h"
 
@@ -21,6 +22,7 @@ struct Calibration {
   Camera camera[2];
   int cameras = 2;
   ImuNoise imu;
+  ImuIntrinsics imu_intrinsics;
   TimeNs camera_time_offset_ns = 0;
   GnssAntenna gnss;
   WheelCalibration wheels;

@@ -85,6 +85,19 @@ CalibrationFault find_imu_fault(const ImuNoise& imu) {
   return {};
 }
 
+CalibrationFault find_intrinsics_fault(const ImuIntrinsics& imu) {
+  constexpr double kOff_max = 0.2, kGyroBias_max = 1, kAccelBias_max = 5;
+  for (const Mat3& M : {imu.gyro, imu.accel}) {
+    if (M.allFinite() && (M - Mat3::Identity()).cwiseAbs().maxCoeff() < kOff_max) continue;
+    return {"imu", "a matrix of scale and misalignment is not within 0.2 of identity",
+            "measured = matrix * true + bias: give it by rows, or leave it out"};
+  }
+  const bool good = imu.b_g.allFinite() && imu.b_g.norm() < kGyroBias_max && imu.b_a.allFinite() &&
+                    imu.b_a.norm() < kAccelBias_max;
+  if (!good) return {"imu", "a bias is more than 1 rad/s or 5 m/s^2", "give rad/s and m/s^2"};
+  return {};
+}
+
 CalibrationFault find_gnss_fault(const GnssAntenna& gnss) {
   if (!gnss.p_BA.allFinite() || gnss.p_BA.norm() > kAntenna_m_max) {
     return {"gnss", "the antenna is more than 50 m from the IMU", "give it in metres"};
@@ -138,6 +151,7 @@ CalibrationFault find_fault(const Calibration& calibration) {
     if (const auto fault = find_camera_fault(calibration.camera[c], kNames[c])) return fault;
   }
   if (const auto fault = find_imu_fault(calibration.imu)) return fault;
+  if (const auto fault = find_intrinsics_fault(calibration.imu_intrinsics)) return fault;
   const TimeNs offset = calibration.camera_time_offset_ns;
   if (!offset_fits(offset)) {
     return {"cameras", "the time offset to the IMU is more than 1 s",

@@ -109,6 +109,33 @@ constexpr ImuKey kImuKeys[] = {
     {"rate_hz", &ImuNoise::rate_hz},
 };
 
+struct IntrinsicsKey {
+  const char *matrix_name, *bias_name;
+  Mat3 ImuIntrinsics::*matrix;
+  Vec3 ImuIntrinsics::*bias;
+};
+constexpr IntrinsicsKey kIntrinsicsKeys[] = {
+    {"gyro_matrix", "gyro_bias", &ImuIntrinsics::gyro, &ImuIntrinsics::b_g},
+    {"accel_matrix", "accel_bias", &ImuIntrinsics::accel, &ImuIntrinsics::b_a},
+};
+
+// Whether it is one of these keys; `what` is wrong with it then, or nothing.
+bool read_intrinsics(std::string_view key, std::string_view value, ImuIntrinsics& out,
+                     const char*& what) {
+  for (const IntrinsicsKey& known : kIntrinsicsKeys) {
+    if (key == known.bias_name) {
+      what = read_numbers(value, (out.*known.bias).data(), 3) ? nullptr : kNumbers;
+      return true;
+    }
+    if (key != known.matrix_name) continue;
+    double m[9];
+    what = read_numbers(value, m, 9) ? nullptr : kNumbers;
+    for (int i = 0; what == nullptr && i < 9; ++i) (out.*known.matrix)(i / 3, i % 3) = m[i];
+    return true;
+  }
+  return false;
+}
+
 constexpr const char* kCameraNames[kCamerasMax] = {"cam0.", "cam1."};
 constexpr const char* kImuName = "imu.";
 constexpr const char* kGnssName = "gnss.";
@@ -175,6 +202,8 @@ const char* read_line(const KeyValue& line, Calibration& out, Seen& seen) {
     }
   }
   const std::string_view name = behind(line.key, kImuName);
+  const char* what = nullptr;
+  if (read_intrinsics(name, line.value, out.imu_intrinsics, what)) return what;
   for (size_t i = 0; i < std::size(kImuKeys); ++i) {
     if (name != kImuKeys[i].name) continue;
     seen.imu |= 1u << i;
@@ -226,6 +255,16 @@ void write_camera(const Camera& camera, const char* prefix, TextWriter& out) {
   put_pose(out, prefix, "T_BC", camera.T_BC);
 }
 
+void write_intrinsics(const ImuIntrinsics& intrinsics, TextWriter& out) {
+  if (!intrinsics.given()) return;
+  for (const IntrinsicsKey& key : kIntrinsicsKeys) {
+    double m[9];
+    for (int i = 0; i < 9; ++i) m[i] = (intrinsics.*key.matrix)(i / 3, i % 3);
+    put_numbers(out, kImuName, key.matrix_name, m, 9);
+    put_numbers(out, kImuName, key.bias_name, (intrinsics.*key.bias).data(), 3);
+  }
+}
+
 void write_wheels(const WheelCalibration& wheels, TextWriter& out) {
   if (!wheels.known) return;
   put_pose(out, kWheelsName, "T_BV", wheels.T_BV);
@@ -260,6 +299,7 @@ void write_calibration(const Calibration& calibration, TextWriter& out) {
   for (const ImuKey& key : kImuKeys) {
     put_numbers(out, kImuName, key.name, &(calibration.imu.*key.field), 1);
   }
+  write_intrinsics(calibration.imu_intrinsics, out);
   const GnssAntenna& gnss = calibration.gnss;
   if (!gnss.p_BA.isZero(0)) put_numbers(out, kGnssName, "antenna", gnss.p_BA.data(), 3);
   if (gnss.time_offset_ns != 0) {

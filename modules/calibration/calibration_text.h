@@ -13,7 +13,9 @@
 //                                                     is made exact
 //           imu.gyro_noise = 1.7e-4                   imu_noise.h; gyro_walk, accel_noise,
 //           imu.rate_hz = 200                         accel_walk likewise
-//         These may be missing; they are zero then, and are not written:
+//         These may be missing; they are identity or zero then, and are not written:
+//           imu.gyro_matrix = 1.01 0 0 ...            nine, by rows (imu_intrinsics.h);
+//           imu.gyro_bias = 0.01 0 -0.02              accel_matrix, accel_bias likewise
 //           gnss.antenna = 0 0 0.1                    metres, in B
 //           gnss.time_offset_ns = 0
 // Frames, units  as in calibration.h.

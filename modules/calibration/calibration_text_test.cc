@@ -55,6 +55,26 @@ TEST(CalibrationText, TheAntennaMayBeMissing) {
   EXPECT_STREQ(find_fault(in).where, "gnss");
 }
 
+TEST(CalibrationText, ScaleAndBiasOfTheImuMayBeMissing) {
+  Calibration in = euroc_like(), out;
+  EXPECT_EQ(written(in).find("matrix"), std::string::npos);
+  in.imu_intrinsics.gyro(0, 1) = 1.0 / 300;
+  in.imu_intrinsics.accel(2, 2) = 1.01;
+  in.imu_intrinsics.b_g = Vec3(0.1, -1.0 / 30, 0.02);
+  in.imu_intrinsics.b_a = Vec3(0.1, 0.2, -1.0 / 3);
+  ASSERT_FALSE(read_calibration(written(in), out));
+  EXPECT_EQ(out.imu_intrinsics.gyro, in.imu_intrinsics.gyro);
+  EXPECT_EQ(out.imu_intrinsics.accel, in.imu_intrinsics.accel);
+  EXPECT_EQ(out.imu_intrinsics.b_g, in.imu_intrinsics.b_g);
+  EXPECT_EQ(out.imu_intrinsics.b_a, in.imu_intrinsics.b_a);
+  EXPECT_FALSE(find_fault(out));
+  for (const char* line : {"imu.gyro_matrix = 1 2\n", "imu.accel_bias = none\n"}) {
+    EXPECT_TRUE(read_calibration(written(in) + line, out)) << line;
+  }
+  in.imu_intrinsics.accel(0, 0) = 9.8;
+  EXPECT_STREQ(find_fault(in).where, "imu");
+}
+
 TEST(CalibrationText, TheWheelsMayBeMissing) {
   Calibration in = euroc_like(), out;
   EXPECT_EQ(written(in).find("wheels"), std::string::npos);

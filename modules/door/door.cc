@@ -22,6 +22,7 @@ void Door::configure(const Calibration& calibration, const DoorParams& params,
                                                  from_seconds(static_cast<double>(params.lost_s)));
   }
   imu_guard_.configure(params);
+  imu_correction_.configure(calibration.imu_intrinsics);
   image_guard_.configure(calibration.camera, calibration.cameras, params);
   watch_.configure(calibration, params);
 }
@@ -69,6 +70,7 @@ void Door::push_imu(const Arrival& arrival) {
   imu_guard_.put(arrival.imu, news_.losses);
   GoodSample good;
   while (imu_guard_.get(good)) {
+    imu_correction_.apply(good.sample);
     if (imu_begin_ == AsideQueue::kImuToCome) {
       imu_begin_ = good.sample.t;
       aside_.drop_before(imu_begin_, news_.losses);

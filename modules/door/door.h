@@ -8,6 +8,8 @@
 //         before the IMU's very first one; commands and events at once. broken: time does not go
 //         on from the item before; whoever integrates must start anew.
 //         DoorListener::fresh: each good IMU sample at once, before it waits for a frame.
+//         Samples are judged as measured, and handed out without the scale, misalignment and
+//         biases of their calibration.
 // Units   ns, rad/s, m/s^2.
 // Errors  kEmpty: nothing until more arrives. kStale: the sensors have ended. Bad input is dropped
 //         and counted, faults of a driver are counted: docs/faults.md. Cameras that stay silent
@@ -91,6 +93,7 @@ class Door {
   DoorListener listener_;
   TimeNs bridge_ = 0, frame_wait_ = 0, break_ = 0;
   ImuGuard imu_guard_;
+  ImuCorrection imu_correction_;
   ImageGuard image_guard_;
   ClockWatch watch_;
   Ring<GoodSample, kImuQueue> imu_queue_;

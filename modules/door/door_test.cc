@@ -167,6 +167,25 @@ TEST(door, camera_stamps_move_to_the_clock_of_the_imu) {
   EXPECT_EQ(frame_times(items), std::vector<TimeNs>{20 * kMs});
 }
 
+TEST(door, hands_out_samples_without_the_errors_that_are_known_of_the_imu) {
+  Calibration calibration;
+  ImuIntrinsics& known = calibration.imu_intrinsics;
+  known.gyro << 1.01, 0.02, 0, 0, 0.99, 0, 0.01, 0, 1;
+  known.accel << 0.98, 0, 0, 0.01, 1, 0, 0, 0.02, 1.03;
+  known.b_g = Vec3(0.1, -0.2, 0.3);
+  known.b_a = Vec3(-0.5, 0.4, 0.2);
+  const Vec3 w_B(0.3, -0.5, 1.2), f_B(1, -2, 9.5);
+  Door door;
+  door.configure(calibration, DoorParams{});
+  ImuSample raw{kMs, known.gyro * w_B + known.b_g, known.accel * f_B + known.b_a};
+  door.push(arrival_of(raw));
+  door.push(arrival_of(ArrivalKind::kEnd, Sensor::kCamera));
+  DoorItem item;
+  ASSERT_EQ(door.next(item), Status::kOk);
+  EXPECT_LT((item.imu.w_B - w_B).norm(), 1e-12);
+  EXPECT_LT((item.imu.f_B - f_B).norm(), 1e-12);
+}
+
 TEST(door, drops_samples_that_are_not_finite) {
   Script s;
   s.imu_until(0, 50 * kMs);

@@ -57,7 +57,7 @@ Status Recorder::start(const Calibration& calibration, const char* folder) {
     PIRVS_TRY(write_camera_yaml(c, calibration.camera[c], calibration.camera_time_offset_ns));
     PIRVS_TRY(open(camera_[c], kCameraTable[c], "#timestamp [ns],filename\n"));
   }
-  PIRVS_TRY(write_imu_yaml(calibration.imu));
+  PIRVS_TRY(write_imu_yaml(calibration));
   const GnssAntenna& antenna = calibration.gnss;
   const bool gnss = !antenna.p_BA.isZero(0) || antenna.time_offset_ns != 0;
   if (gnss) PIRVS_TRY(write_gnss_yaml(antenna));
@@ -87,9 +87,9 @@ Status Recorder::write_camera_yaml(int c, const Camera& camera, TimeNs offset) {
   return write_text(kCameraYaml[c], text);
 }
 
-Status Recorder::write_imu_yaml(const ImuNoise& noise) {
+Status Recorder::write_imu_yaml(const Calibration& calibration) {
   Text<kBlock> text;
-  put_imu_yaml(text, noise);
+  put_imu_yaml(text, calibration.imu, calibration.imu_intrinsics);
   return write_text("mav0/imu0/sensor.yaml", text);
 }
 

@@ -106,7 +106,7 @@ class Recorder {
   Result<bsp::File> open_file(const char* name) const;
   Status open(Table& table, const char* name, const char* heading);
   Status write_camera_yaml(int c, const Camera& camera, TimeNs offset);
-  Status write_imu_yaml(const ImuNoise& noise);
+  Status write_imu_yaml(const Calibration& calibration);
   Status write_gnss_yaml(const GnssAntenna& antenna);
   Status write_text(const char* name, const TextWriter& text);
   Status write_image(const ImageView& image, const char* name);

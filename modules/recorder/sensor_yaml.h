@@ -9,12 +9,14 @@
 #include "core/base/text.h"
 #include "core/base/time.h"
 #include "core/camera/camera.h"
+#include "modules/imu/imu_intrinsics.h"
 #include "modules/imu/imu_noise.h"
 
 namespace pirvs {
 
 // `offset` as in calibration.h: the stamp on the IMU's clock is that of the camera and `offset`.
 void put_camera_yaml(TextWriter& text, const Camera& camera, TimeNs offset);
-void put_imu_yaml(TextWriter& text, const ImuNoise& noise);
+// Intrinsics where something is given.
+void put_imu_yaml(TextWriter& text, const ImuNoise& noise, const ImuIntrinsics& intrinsics);
 
 }  // namespace pirvs

@@ -34,6 +34,7 @@ extern const Command kCalibrationCommand;
 extern const Command kParamsCommand;
 extern const Command kUpdateCommand;
 extern const Command kRos2Command;
+extern const Command kCalibCommand;
 extern const Command kViewCommand;
 
 }  // namespace pirvs::tools

@@ -13,8 +13,8 @@ namespace {
 
 const Command* const kCommands[] = {
     &kRunCommand,    &kInfoCommand,    &kEvalCommand, &kSimCommand,         &kMapCommand,
-    &kListenCommand, &kConvertCommand, &kPackCommand, &kCalibrationCommand, &kParamsCommand,
-    &kUpdateCommand, &kRos2Command,    &kViewCommand};
+    &kListenCommand, &kConvertCommand, &kPackCommand, &kCalibrationCommand, &kCalibCommand,
+    &kParamsCommand, &kUpdateCommand,  &kRos2Command, &kViewCommand};
 
 // One line on stderr, whatever happened.
 void print_error(std::string text) {

@@ -78,8 +78,8 @@ void write_camera_yaml(const std::string& folder, const Camera& camera, TimeNs s
 }
 
 void write_imu(const std::string& folder, const Recording& recording) {
-  Text<1024> text;
-  put_imu_yaml(text, recording.calibration.imu);
+  Text<2048> text;
+  put_imu_yaml(text, recording.calibration.imu, recording.calibration.imu_intrinsics);
   TextFile yaml(folder + "/sensor.yaml"), table(folder + "/data.csv");
   yaml << text;
   table << "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,"

@@ -91,6 +91,11 @@ void set_noise(const std::optional<RigNoise>& own, const std::string& path,
   if (fallback) noise = noise_from(options.fallback_imu);
   rig.has_rate = noise && noise->has_rate;
   if (noise) rig.calibration.imu = noise->noise;
+  // Densities from elsewhere say nothing of them.
+  if (noise && noise->intrinsics.given())
+    rig.calibration.imu_intrinsics = noise->intrinsics;
+  else if (own)
+    rig.calibration.imu_intrinsics = own->intrinsics;
   const ImuNoise& used = rig.calibration.imu;
   log.note(
       (noise ? "IMU noise from " + noise->from : "no IMU noise is given, an ADIS16448's is taken") +
@@ -181,6 +186,7 @@ Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& l
     if (!own) imu.fail("missing value", "gyroscope_noise_density");
     if (!own->has_rate) imu.fail("missing value", "rate_hz");
     rig.calibration.imu = own->noise;
+    rig.calibration.imu_intrinsics = own->intrinsics;
   } else {
     set_noise(own, imu.path(), options, rig, log);
   }

@@ -73,7 +73,11 @@ bsp::PackHeader header_of(const Recording& recording) {
 }
 
 void put_samples(const Recording& recording, uint8_t* to) {
-  for (const ImuSample& sample : recording.imu) {
+  // A pack has no place for them: its samples are what the door would make of the recording's.
+  ImuCorrection correction;
+  correction.configure(recording.calibration.imu_intrinsics);
+  for (ImuSample sample : recording.imu) {
+    correction.apply(sample);
     const bsp::PackedSample out = {sample.t,
                                    {sample.w_B.x(), sample.w_B.y(), sample.w_B.z()},
                                    {sample.f_B.x(), sample.f_B.y(), sample.f_B.z()}};

@@ -56,6 +56,20 @@ double density(const Document& file, const YAML::Node& node, const char* key) {
   return value;
 }
 
+Mat3 matrix_of(const Document& file, const YAML::Node& node, const char* key) {
+  Mat3 out = Mat3::Identity();
+  if (!file.has(node, key)) return out;
+  const auto m = file.numbers(node, key, 9);
+  for (int i = 0; i < 9; ++i) out(i / 3, i % 3) = m[size_t(i)];
+  return out;
+}
+
+Vec3 bias_of(const Document& file, const YAML::Node& node, const char* key) {
+  if (!file.has(node, key)) return Vec3::Zero();
+  const auto b = file.numbers(node, key, 3);
+  return {b[0], b[1], b[2]};
+}
+
 std::optional<RigNoise> noise_in(const Document& file, const YAML::Node& node,
                                  const std::string& where) {
   for (const NoiseKeys& keys : kNoiseKeys) {
@@ -66,6 +80,9 @@ std::optional<RigNoise> noise_in(const Document& file, const YAML::Node& node,
     out.noise.gyro_walk = density(file, node, keys.gyro_walk);
     out.noise.accel_noise = density(file, node, keys.accel);
     out.noise.accel_walk = density(file, node, keys.accel_walk);
+    out.intrinsics = {
+        matrix_of(file, node, "gyroscope_matrix"), matrix_of(file, node, "accelerometer_matrix"),
+        bias_of(file, node, "gyroscope_bias"), bias_of(file, node, "accelerometer_bias")};
     for (const char* rate : keys.rates) {
       if (rate == nullptr || !file.has(node, rate) || out.has_rate) continue;
       out.noise.rate_hz = file.positive(node, rate);

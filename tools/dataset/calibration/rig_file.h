@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "core/base/time.h"
+#include "modules/imu/imu_intrinsics.h"
 #include "modules/imu/imu_noise.h"
 #include "tools/dataset/calibration/document.h"
 #include "tools/dataset/calibration/lens.h"
@@ -33,6 +34,7 @@ struct RigNoise {
   ImuNoise noise;
   bool has_rate = false;  // else noise.rate_hz is a guess
   std::string from;       // file, and where in it
+  ImuIntrinsics intrinsics;
 };
 
 struct RigFile {
