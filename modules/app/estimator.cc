@@ -21,7 +21,8 @@ const char* event_of(const FrameResult& result) {
 }
 
 // Smaller errors are not told.
-constexpr double kTold_s = 4e-3, kTold_rad = 0.7 * kPi / 180, kTold_scale = 0.01;
+constexpr double kTold_s = 4e-3, kTold_rad = 0.7 * kPi / 180, kTold_scale = 0.01,
+                 kBent_rad = 0.25 * kPi / 180;
 
 bool is_off(double by, double sigma, double told) {
   constexpr double kSigmas = 10;  // observations are not independent
@@ -225,7 +226,15 @@ void Estimator::tell_calibration() {
   if (pair.size() == 0 && tracker_.counters().cameras_left_out > 0) {
     pair.put("the cameras disagree: ")
         .put(tracker_.left_out(frame_.t) == kRightAlone ? "cam1" : "cam0")
-        .put(" is left out for a while; trigger, exposure, or its T_BS?");
+        .put(" is left out for a while; ");
+    const double turn_rad = tracker_.stereo().turn().estimate().turn_B.norm();
+    if (turn_rad > kBent_rad) {
+      pair.put("they are turned against each other by about ")
+          .fixed(turn_rad * 180 / kPi, 1)
+          .put(" degrees, other than T_BS says");
+    } else {
+      pair.put("trigger, exposure, or its T_BS?");
+    }
     tell_health(frame_.t, pair.c_str());
   }
   const double turn_rad = now.turn_B.norm(), sigma_rad = now.turn_sigma_B.maxCoeff();

@@ -11,6 +11,12 @@ namespace pirvs {
 namespace {
 
 using Mat4 = Eigen::Matrix<double, 4, 4>;
+// Of any of the sizes here: products of each size by itself took a compiler a minute.
+using Block =
+    Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFusionErrors, kFusionErrors>;
+using Rows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFusionErrors, 1>;
+
+Block carried(const Block& J, const Block& cov) { return J * cov * J.transpose(); }
 
 Mat3 turn_about_z(double yaw) {
   double s, c;
@@ -31,6 +37,22 @@ Mat9 noise_of(const SlamMeasurement& slam) {
   sigma << Vec3::Constant(slam.sigma_rad), Vec3::Constant(slam.sigma_m),
       Vec3::Constant(slam.sigma_m_s);
   return sigma.cwiseAbs2().asDiagonal();
+}
+
+double update_rows(FusionState& state, const Rows& r, const Block& H, const Block& R, double gate) {
+  const Block PH = state.cov * H.transpose();
+  const Block S = H * PH + R;
+  const Eigen::LLT<Block> factor(S);
+  if (factor.info() != Eigen::Success) return HUGE_VAL;
+  const Rows weighted = factor.solve(r);
+  const double nis = r.dot(weighted);
+  if (!(nis <= gate)) return nis;
+  const Block K = factor.solve(PH.transpose());  // its transpose
+  const Rows delta = K.transpose() * r;
+  state = boxplus(state, delta);
+  state.cov -= K.transpose() * PH.transpose();
+  symmetrize(state.cov);
+  return nis;
 }
 
 }  // namespace
@@ -72,7 +94,7 @@ void propagate(FusionState& state, TimeNs t, double accel_noise, double turn_noi
   state.t = t;
   state.T_EB.p += dt * state.v_EB;
   state.T_EB.R = orthonormalized(state.T_EB.R * so3_exp(turn));
-  state.cov = (F * state.cov * F.transpose()).eval();
+  state.cov = carried(F, state.cov);
   const double accel2 = accel_noise * accel_noise;
   for (int i = 0; i < 3; ++i) {
     state.cov(kFuseTheta + i, kFuseTheta + i) += turn_noise * turn_noise * dt;
@@ -100,19 +122,7 @@ void let_drift(FusionState& state, double var_horizontal_m2, double var_vertical
 
 template <int N>
 double update(FusionState& state, const FusionLinear<N>& m, double gate) {
-  using MatN = Eigen::Matrix<double, N, N>;
-  const Eigen::Matrix<double, kFusionErrors, N> PH = state.cov * m.H.transpose();
-  const MatN S = m.H * PH + m.R;
-  const Eigen::LLT<MatN> factor(S);
-  if (factor.info() != Eigen::Success) return HUGE_VAL;
-  const double nis = m.r.dot(factor.solve(m.r));
-  if (!(nis <= gate)) return nis;
-  const Eigen::Matrix<double, kFusionErrors, N> K = factor.solve(PH.transpose()).transpose();
-  const Mat13 cov = state.cov - K * PH.transpose();
-  state = boxplus(state, K * m.r);
-  state.cov = cov;
-  symmetrize(state.cov);
-  return nis;
+  return update_rows(state, m.r, m.H, m.R, gate);
 }
 
 template double update<2>(FusionState&, const FusionLinear<2>&, double);
@@ -140,7 +150,7 @@ void anchor_anew(FusionState& state, const SlamMeasurement& slam) {
   J_slam.block<3, 3>(kFuseAnchor, 0) = -u * yaw_theta;
   J_slam.block<3, 3>(kFuseAnchor, 3) = -state.T_EW.R;
   const Mat9 cov = state.cov.topLeftCorner<9, 9>();
-  state.cov = J * cov * J.transpose() + J_slam * noise_of(slam) * J_slam.transpose();
+  state.cov = carried(J, cov) + carried(J_slam, noise_of(slam));
   symmetrize(state.cov);
   state.w_B = slam.w_B;
   state.w_t = state.t;
@@ -164,7 +174,7 @@ void place_by_anchor(FusionState& state, const SE3& T_EW, const Mat4& cov,
   J.block<3, 1>(kFusePos, 3) = Vec3(-arm.y(), arm.x(), 0);
   J.block<3, 1>(kFuseVel, 3) = Vec3(-state.v_EB.y(), state.v_EB.x(), 0);
   J.block<4, 4>(kFuseAnchor, 0).setIdentity();
-  state.cov = J * cov * J.transpose();
+  state.cov = carried(J, cov);
   // Noise of one pose is the same in all directions: no rotation turns it.
   state.cov.topLeftCorner<9, 9>() += noise_of(slam);
   symmetrize(state.cov);
@@ -176,7 +186,7 @@ void forget_heading(FusionState& state, const Vec3& p_BA) {
   J.block<3, 3>(0, kFuseTheta) = place_theta;
   J.block<3, 3>(0, kFusePos).setIdentity();
   J.block<3, 3>(3, kFuseVel).setIdentity();
-  const Mat6 cov = J * state.cov * J.transpose();
+  const Mat6 cov = carried(J, state.cov);
   const Mat4 anchor_cov = state.cov.bottomRightCorner<4, 4>();
   state.T_EB.p = state.T_EB * p_BA;
   state.T_EB.R.setIdentity();

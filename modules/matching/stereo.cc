@@ -32,6 +32,7 @@ void StereoMatcher::configure(const Camera& c0, const Camera& c1, const StereoPa
   T_to_from_[0] = c1.T_BC.inverse() * c0.T_BC;
   T_to_from_[1] = T_to_from_[0].inverse();
   params_ = params;
+  turn_.configure(c0, c1);
 }
 
 StereoLoss StereoMatcher::find(int from, const PyramidStore& image_from,
@@ -103,8 +104,7 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
 }
 
 StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
-                                 const PyramidStore& image_to, const Vec2& uv_from,
-                                 Vec2& uv_to) const {
+                                 const PyramidStore& image_to, const Vec2& uv_from, Vec2& uv_to) {
   float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y()), residual = 0;
   const float x0 = static_cast<float>(uv_from.x()), y0 = static_cast<float>(uv_from.y());
   LkPatch patch;
@@ -137,6 +137,7 @@ StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
   if (!camera_[from].unproject(uv_from, f_from) || !camera_[1 - from].unproject(uv_to, f_to)) {
     return StereoLoss::kOutside;
   }
+  if (from == 0) turn_.add(f_from, f_to);
   const SE3& T = T_to_from_[from];
   const Vec3 normal = T.p.cross(T.R * f_from);
   const double sine_off_plane = f_to.dot(normal) / (normal.norm() + 1e-12);

@@ -14,6 +14,7 @@
 #include "core/camera/camera.h"
 #include "core/params/params.h"
 #include "modules/frontend/pyramid_store.h"
+#include "modules/matching/epipolar_turn.h"
 
 namespace pirvs {
 
@@ -67,17 +68,21 @@ class StereoMatcher {
   StereoLoss find_near(int from, const PyramidStore& image_from, const PyramidStore& image_to,
                        const Vec2& uv_from, const Vec2& uv_expected, Vec2& uv_to);
   const CounterArray<StereoLoss>& losses() const { return losses_; }
+  // Of what was found from the left, how far off its epipolar curve it may be.
+  const EpipolarTurn& turn() const { return turn_; }
+  void forget_turn() { turn_.forget(); }
 
  private:
   StereoLoss scan(int from, const PyramidStore& image_from, const PyramidStore& image_to,
                   const Vec2& uv_from, Vec2& uv_to) const;
   StereoLoss refine(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                    const Vec2& uv_from, Vec2& uv_to) const;
+                    const Vec2& uv_from, Vec2& uv_to);
   StereoLoss count(StereoLoss loss);
 
   Camera camera_[kCamerasMax];
   SE3 T_to_from_[kCamerasMax];  // index: from
   StereoParams params_;
+  EpipolarTurn turn_;
   CounterArray<StereoLoss> losses_;
 };
 

@@ -62,6 +62,7 @@ class Keyframer {
   uint32_t sent() const { return sequence_; }  // so far, the newest one's sequence
   uint32_t dropped() const { return dropped_; }
   const StereoMatcher& stereo() const { return stereo_; }
+  void forget_turn() { stereo_.forget_turn(); }
 
  private:
   bool has_room(size_t keyframes) const {

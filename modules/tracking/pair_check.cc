@@ -50,7 +50,7 @@ bool PairCheck::Verdict::disagree() const {
 }
 
 bool PairCheck::judge(TimeNs t, double both_late_s, const Vec3& both_turn_B) {
-  constexpr double kSure_s = 0.4, kFirst_s = 10, kLongest_s = 160;
+  constexpr double kSure_s = 0.4;
   const Verdict pair = verdict();
   if (!pair.disagree()) {
     since_ = 0;
@@ -58,16 +58,24 @@ bool PairCheck::judge(TimeNs t, double both_late_s, const Vec3& both_turn_B) {
   }
   if (since_ == 0) since_ = t;
   if (to_seconds(t - since_) < kSure_s) return false;
+  leave_out(t, pair, both_late_s, both_turn_B);
+  return true;
+}
+
+void PairCheck::leave_out(TimeNs t, const Verdict& pair, double both_late_s,
+                          const Vec3& both_turn_B) {
+  constexpr double kFirst_s = 10, kLongest_s = 160, kProbation_s = 5;
   const auto misfit = [&](double half) {
     return std::abs(both_late_s + half * pair.late_s) / kLate_s +
            (both_turn_B + half * pair.turn_B).norm() / kTurned_rad;
   };
-  left_out_ = misfit(0.5) >= misfit(-0.5) ? 2 : 1;
+  // What was left out and disagrees again stays out: the map stands on the other.
+  const bool again = left_out_ != 0 && to_seconds(t - until_) < kProbation_s;
+  if (!again) left_out_ = misfit(0.5) >= misfit(-0.5) ? 2 : 1;
   for_s_ = std::clamp(2 * for_s_, kFirst_s, kLongest_s);
   until_ = t + from_seconds(for_s_);
   since_ = 0;
   for (Sum& sum : sum_) sum = Sum{};
-  return true;
 }
 
 PairCheck::Verdict PairCheck::verdict() const {

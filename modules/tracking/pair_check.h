@@ -30,6 +30,8 @@ class PairCheck {
   // After a frame. The better of two that disagree is the one that fits the IMU: how far both are
   // from it together is known from elsewhere. True: a camera is left out from now on.
   bool judge(TimeNs t, double both_late_s, const Vec3& both_turn_B);
+  // The same, of a disagreement that is known from elsewhere.
+  void leave_out(TimeNs t, const Verdict& pair, double both_late_s, const Vec3& both_turn_B);
   bool in_doubt() const { return since_ != 0; }
   uint8_t left_out(TimeNs t) const { return t < until_ ? left_out_ : 0; }
 

@@ -104,5 +104,18 @@ TEST(pair_check, leaves_out_the_camera_that_does_not_fit_the_imu) {
   }
 }
 
+TEST(pair_check, what_was_left_out_and_disagrees_again_stays_out) {
+  PairCheck check;
+  PairCheck::Verdict pair;
+  pair.turn_B = Vec3(0.02, 0, 0);
+  const TimeNs t = from_seconds(5), back = from_seconds(15.5);
+  check.leave_out(t, pair, 0, Vec3(0.01, 0, 0));
+  ASSERT_EQ(check.left_out(t), 2);
+  ASSERT_EQ(check.left_out(back), 0);
+  check.leave_out(back, pair, 0, Vec3(-0.01, 0, 0));
+  EXPECT_EQ(check.left_out(back), 2) << "the map stands on the left one";
+  EXPECT_EQ(check.left_out(back + from_seconds(19)), 2) << "for twice as long";
+}
+
 }  // namespace
 }  // namespace pirvs

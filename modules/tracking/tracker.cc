@@ -267,6 +267,19 @@ void Tracker::compare_cameras(TimeNs t, const Correspondences& correspondences) 
   counters_.cameras_left_out += pair_check_.judge(t, both.time_s, both.turn_B) ? 1 : 0;
 }
 
+// What a pair says that is turned against what was calibrated is no depth: not of a start, either.
+bool Tracker::cameras_squint(TimeNs t) {
+  const EpipolarTurn& turn = keyframer_.stereo().turn();
+  if (!turn.disagrees()) return false;
+  PairCheck::Verdict pair;
+  pair.turn_B = turn.estimate().turn_B;
+  const SelfCalibration::Estimate both = estimate_.self_calibration().estimate();
+  pair_check_.leave_out(t, pair, both.time_s, both.turn_B);
+  keyframer_.forget_turn();
+  ++counters_.cameras_left_out;
+  return true;
+}
+
 // After dead reckoning a match may be wrong and fit all the same: many have to agree.
 int Tracker::fuse(Correspondences& correspondences) {
   if (!searching_ || standstill_.at_rest()) return estimate_.update(correspondences);
@@ -363,6 +376,10 @@ void Tracker::interrupt() {
 // A start continues where the last track ended, unless the map knows better.
 void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
   const Status status = initializer_.add_frame(t, seen, standstill_, keyframer_, associator_);
+  if (cameras_squint(t)) {
+    initializer_.fail();
+    return;
+  }
   if (status == Status::kStale) ++counters_.start_failures;
   if (status != Status::kOk) return;
   Starter& starter = initializer_.starter();
@@ -417,6 +434,7 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
   }
   keyframer_.clear_pairs();
   if (!alone) keyframer_.find_pairs(&T_WB, associator_);
+  if (!alone && cameras_squint(t)) return;
   result.keyframe = true;
   result.joined = !place_known_ && try_join(t);
   if (result.joined) return;

@@ -180,6 +180,7 @@ class Tracker {
   int fuse(Correspondences& correspondences);
   FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells) const;
   void compare_cameras(TimeNs t, const Correspondences& correspondences);
+  bool cameras_squint(TimeNs t);
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
   void note_jump(const SE3& before, const SE3& after, bool certain);

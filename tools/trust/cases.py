@@ -160,7 +160,7 @@ CASES = [
     # 3: cameras that disagree.
     *(Case(f"right camera {ms} ms late", 3, "flight", late_right(ms)) for ms in (5, 10, 15)),
     *(Case(f"right camera turned {d} deg about {'xyz'[axis]}", 3, "flight", turned(axis, d))
-      for axis, d in ((0, 0.5), (1, 1.0), (2, 1.0))),
+      for axis, d in ((0, 0.5), (0, -1.5), (1, 0.5), (1, 1.0), (1, -1.0), (2, 0.5), (2, 1.0))),
     Case("no right camera", 3, "clip", None, ("--fault", "cam1:0")),
     Case("no left camera", 3, "clip", None, ("--fault", "cam0:0")),
     *(Case(f"cameras {ms} ms off the IMU", 3, "flight", with_offset(ms)) for ms in (10, 30, -20)),

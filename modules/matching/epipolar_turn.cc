@@ -1,0 +1,71 @@
+#include "modules/matching/epipolar_turn.h"
+
+#include <cmath>
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
+#include "core/math/square.h"
+
+namespace pirvs {
+namespace {
+
+constexpr double kMatch_px = 0.5, kStray_px = 2;  // of a match; from where on it is rather a stray
+constexpr double kMemory = 400;                   // matches
+constexpr double kBegin_rad = 0.1;
+constexpr double kMatchesMin = 40;
+constexpr double kSquint_rad = 7e-3, kTurned_rad = 5e-3;  // from which on they disagree
+constexpr double kShared = 3;  // a lens that fits badly: residuals are not independent
+constexpr double kSure = 5;    // sigmas
+
+}  // namespace
+
+void EpipolarTurn::configure(const Camera& c0, const Camera& c1) {
+  *this = {};
+  T_C1C0_ = c1.T_BC.inverse() * c0.T_BC;
+  R_BC1_ = c1.T_BC.R;
+  pixel_rad_ = 1 / c1.fx;
+}
+
+void EpipolarTurn::add(const Vec3& f_C0, const Vec3& f_C1) {
+  const Vec3 ray = T_C1C0_.R * f_C0;
+  const Vec3& p = T_C1C0_.p;
+  const double length = p.cross(ray).norm();
+  if (length < 0.1 * p.norm()) return;  // along the baseline: any turn moves it within its plane
+  const double off_rad = f_C1.dot(p.cross(ray)) / length;
+  const Vec3 J = (p.dot(ray) * f_C1 - f_C1.dot(ray) * p) / length;
+  const double stray = (off_rad + J.dot(turn_C1_)) / (kStray_px * pixel_rad_);
+  const double weight = 1 / (square(kMatch_px * pixel_rad_) * square(1 + square(stray)));
+  const double kept = 1 - 1 / kMemory;
+  information_ = kept * information_ + weight * J * J.transpose();
+  score_ = kept * score_ - weight * off_rad * J;
+  matches_ = kept * matches_ + 1;
+  turn_C1_ = covariance() * score_;
+}
+
+Mat3 EpipolarTurn::covariance() const {
+  return (information_ + Mat3::Identity() / square(kBegin_rad)).inverse();
+}
+
+bool EpipolarTurn::disagrees() const {
+  if (matches_ < kMatchesMin) return false;
+  const Mat3 cov_C1 = covariance();
+  const Vec3 along = T_C1C0_.p.normalized();
+  const Vec3 squint = along.cross(Vec3::UnitZ()).normalized();
+  const auto off = [&](const Vec3& axis, double limit_rad) {
+    const double turn_rad = std::abs(axis.dot(turn_C1_));
+    const double sigma_rad = kShared * std::sqrt(axis.dot(cov_C1 * axis));
+    return turn_rad > limit_rad && turn_rad > kSure * sigma_rad;
+  };
+  return off(along, kTurned_rad) || off(squint.cross(along), kTurned_rad) ||
+         off(squint, kSquint_rad);
+}
+
+void EpipolarTurn::forget() {
+  constexpr double kLeft = 0.05;
+  information_ *= kLeft;
+  score_ *= kLeft;
+  matches_ *= kLeft;
+}
+
+}  // namespace pirvs

@@ -1,0 +1,68 @@
+#include "modules/matching/epipolar_turn.h"
+
+#include <gtest/gtest.h>
+
+#include "modules/testing.h"
+
+namespace pirvs {
+namespace {
+
+using testing::Random;
+using testing::Rig;
+
+constexpr double kDegree = kPi / 180;
+
+// Points all over the image, 2 to 8 m away, a share of them matched with anything. The right camera
+// stands turned about its own axes by turn_C1.
+EpipolarTurn seen(const Vec3& turn_C1, int matches = 400, double strays = 0.1) {
+  const Rig rig(CameraModel::kPinholeRadtan);
+  Random random(5);
+  EpipolarTurn out;
+  out.configure(rig.camera[0], rig.camera[1]);
+  SE3 T_BC1 = rig.camera[1].T_BC;
+  T_BC1.R = T_BC1.R * so3_exp(turn_C1);
+  for (int i = 0; i < matches; ++i) {
+    Vec3 f_C0, f_C1;
+    const Vec2 uv(random.uniform(20, 730), random.uniform(20, 460));
+    if (!rig.camera[0].unproject(uv, f_C0)) continue;
+    const Vec3 p_B = rig.camera[0].T_BC * Vec3(random.uniform(2, 8) * f_C0);
+    Vec2 uv_right;
+    if (!rig.camera[1].project(T_BC1.inverse() * p_B, uv_right)) continue;
+    uv_right += random.pixel(random.uniform(0, 1) < strays ? 20 : 0.3);
+    if (rig.camera[1].unproject(uv_right, f_C1)) out.add(f_C0.normalized(), f_C1.normalized());
+  }
+  return out;
+}
+
+TEST(epipolar_turn, cameras_that_stand_as_calibrated_agree) {
+  const EpipolarTurn turn = seen(Vec3::Zero());
+  EXPECT_LT(turn.estimate().turn_B.norm(), 0.1 * kDegree);
+  EXPECT_FALSE(turn.disagrees());
+  EXPECT_FALSE(seen(Vec3(0.1 * kDegree, 0, 0.1 * kDegree)).disagrees());
+}
+
+TEST(epipolar_turn, one_that_is_bent_is_told_by_how_much) {
+  const Rig rig(CameraModel::kPinholeRadtan);
+  for (const Vec3& degrees : {Vec3(0.5, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1), Vec3(0, 0, -0.5),
+                              Vec3(0, 1, 0), Vec3(0.4, 0.3, -0.6)}) {
+    const EpipolarTurn turn = seen(degrees * kDegree);
+    EXPECT_TRUE(turn.disagrees()) << degrees.transpose();
+    const Vec3 turn_B = rig.camera[1].T_BC.R * degrees * kDegree;
+    EXPECT_LT((turn.estimate().turn_B - turn_B).norm(), 0.15 * kDegree) << degrees.transpose();
+  }
+}
+
+TEST(epipolar_turn, strays_and_few_matches_tell_nothing) {
+  EXPECT_FALSE(seen(Vec3::Zero(), 400, 1.0).disagrees());
+  EXPECT_FALSE(seen(Vec3(kDegree, 0, 0), 20).disagrees());
+}
+
+TEST(epipolar_turn, is_asked_anew_after_a_while) {
+  EpipolarTurn turn = seen(Vec3(kDegree, 0, 0));
+  ASSERT_TRUE(turn.disagrees());
+  turn.forget();
+  EXPECT_FALSE(turn.disagrees());
+}
+
+}  // namespace
+}  // namespace pirvs
