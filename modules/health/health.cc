@@ -14,11 +14,12 @@ constexpr double kBlindConfidence = 0.5;  // at once; from there it falls with t
 constexpr double kSpreadFull = 1.5;       // two thirds of the cells are as good as all
 constexpr double kDoubted = 0.5;          // at most, with any reason
 constexpr double kRejected_s = 0.5;       // over which the share of the rejected is a mean
-constexpr double kJumps_s = 10;           // after which a jump counts a third
-constexpr double kHopelessJumps = 6;      // times what is doubted
-constexpr double kHopeless_s = 1;         // of which no way leads back
-constexpr double kDenied_s = 10;          // for which a start after that is doubted
-constexpr double kHopelessBias = 3;       // times what is doubted
+constexpr double kRejectedLong_s = 5, kRejectedLong = 0.6;  // for longer, less is too many
+constexpr double kJumps_s = 10;                             // after which a jump counts a third
+constexpr double kHopelessJumps = 6;                        // times what is doubted
+constexpr double kHopeless_s = 1;                           // of which no way leads back
+constexpr double kDenied_s = 10;     // for which a start after that is doubted
+constexpr double kHopelessBias = 3;  // times what is doubted
 
 }  // namespace
 
@@ -29,8 +30,9 @@ const char* name(HealthState state) {
 }
 
 const char* name(Reason reason) {
-  static constexpr const char* kNames[] = {"blind", "rejected", "jumps",  "accel_bias", "gyro_bias",
-                                           "speed", "stamps",   "denied", "platform",   "cameras"};
+  static constexpr const char* kNames[] = {"blind",     "rejected", "jumps",  "accel_bias",
+                                           "gyro_bias", "speed",    "stamps", "denied",
+                                           "platform",  "cameras",  "turn"};
   static_assert(std::size(kNames) == static_cast<size_t>(Reason::kCount));
   return kNames[static_cast<size_t>(reason)];
 }
@@ -39,7 +41,7 @@ void Health::started(TimeNs t) {
   state_ = HealthState::kTracking;
   last_good_ = good_since_ = t;
   good_ = true;
-  blind_s_ = rejected_share_ = jumps_ = hopeless_s_ = 0;
+  blind_s_ = rejected_share_ = rejected_long_ = jumps_ = hopeless_s_ = 0;
   last_t_ = t;
   trust_.confidence = kStartConfidence;
   trust_.reasons = 0;
@@ -77,11 +79,14 @@ uint16_t Health::find_reasons(const FrameEvidence& e, double dt_s) {
   const int seen = e.accepted + e.rejected;
   const double share = seen > 0 ? static_cast<double>(e.rejected) / seen : 0.0;
   rejected_share_ += std::min(1.0, dt_s / kRejected_s) * (share - rejected_share_);
+  rejected_long_ += std::min(1.0, dt_s / kRejectedLong_s) * (share - rejected_long_);
   jumps_ -= std::min(1.0, dt_s / kJumps_s) * jumps_;
   uint16_t out = 0;
   const auto doubt = [&out](Reason reason, bool holds) { out |= holds ? bit(reason) : 0; };
   doubt(Reason::kBlind, !e.at_rest && e.accepted < static_cast<int>(params_.matches_min));
-  doubt(Reason::kRejected, rejected_share_ > params_.rejected_share_max);
+  doubt(Reason::kRejected,
+        rejected_share_ > params_.rejected_share_max ||
+            (rejected_long_ > kRejectedLong * params_.rejected_share_max && !e.at_rest));
   doubt(Reason::kJumps, jumps_ > params_.jumps_max);
   doubt(Reason::kAccelBias, e.accel_bias_m_s2 > params_.accel_bias_max_m_s2);
   doubt(Reason::kGyroBias, e.gyro_bias_rad_s > params_.gyro_bias_max_rad_s);
@@ -90,6 +95,7 @@ uint16_t Health::find_reasons(const FrameEvidence& e, double dt_s) {
   doubt(Reason::kDenied, e.t < denied_until_);
   doubt(Reason::kPlatform, e.moved_along);
   doubt(Reason::kCameras, e.cameras_disagree);
+  doubt(Reason::kTurn, e.turns_against);
   return out;
 }
 

@@ -31,6 +31,7 @@ enum class Reason : uint8_t {
   kDenied,     // what ran before this start was hopeless, not long ago
   kPlatform,   // the picture stands while the IMU is pushed: what is seen moves along
   kCameras,    // they do not see at the same time, or are turned against each other
+  kTurn,       // gyro and image turn against each other
 
   kCount
 };
@@ -56,6 +57,7 @@ struct FrameEvidence {
   int rejected = 0;  // correspondences
   double speed_m_s = 0, accel_bias_m_s2 = 0, gyro_bias_rad_s = 0;
   bool moved_along = false, cameras_disagree = false;
+  bool turns_against = false;  // gyro and image
 };
 
 class Health {
@@ -92,8 +94,8 @@ class Health {
   bool good_ = false, in_doubt_ = false;
   double blind_s_ = 0;  // since the last frame with enough correspondences
   TimeNs last_t_ = 0;
-  double rejected_share_ = 0;  // of late
-  double jumps_ = 0;           // of its own, of late
+  double rejected_share_ = 0, rejected_long_ = 0;  // of late, and over some seconds
+  double jumps_ = 0;                               // of its own, of late
   double hopeless_s_ = 0;
   bool denied_ = false;
   TimeNs denied_until_ = 0;

@@ -101,6 +101,11 @@ void Associator::vote(uint8_t present, double dt_s, StandstillDetector& standsti
   }
 }
 
+void Associator::compare(uint8_t present, const Vec3& turn_B, double dt_s, TurnCheck& check) const {
+  const int c = (present & 1) != 0 ? 0 : 1;
+  check.add(camera_[c], tracks(c), turn_B, dt_s);
+}
+
 // Without a descriptor a track becomes no point, and is matched with none.
 void Associator::drop_movers(const StandstillDetector& standstill) {
   for (int c = 0; c < cameras_; ++c) {

@@ -13,6 +13,7 @@
 #include "modules/standstill/standstill.h"
 #include "modules/tracking/filter.h"
 #include "modules/tracking/recent_frames.h"
+#include "modules/tracking/turn_check.h"
 
 namespace pirvs {
 
@@ -65,6 +66,8 @@ class Associator {
 
   // Adds each camera's tracks to the votes on standstill.
   void vote(uint8_t present, double dt_s, StandstillDetector& standstill) const;
+  // Tells `check` how far the tracks of a camera say that the body has turned, against the gyro.
+  void compare(uint8_t present, const Vec3& turn_B, double dt_s, TurnCheck& check) const;
   // At rest: drops tracks that slid, and takes from those that move what they showed.
   void drop_movers(const StandstillDetector& standstill);
 

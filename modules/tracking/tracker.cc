@@ -190,6 +190,7 @@ FrameResult Tracker::frame(TimeNs t, uint8_t present) {
   const uint32_t sent = keyframer_.sent(), dropped = keyframer_.dropped();
   ++counters_.frames;
   const double dt_s = last_frame_t_ == 0 ? 0.0 : to_seconds(t - last_frame_t_);
+  compare_turns(t, present, dt_s);
   last_frame_t_ = t;
   const uint8_t seen = associator_.seeing(present);
   associator_.vote(present, dt_s, standstill_);
@@ -267,6 +268,14 @@ void Tracker::compare_cameras(TimeNs t, const Correspondences& correspondences) 
   counters_.cameras_left_out += pair_check_.judge(t, both.time_s, both.turn_B) ? 1 : 0;
 }
 
+void Tracker::compare_turns(TimeNs t, uint8_t present, double dt_s) {
+  constexpr double kGap_s = 0.2;
+  if (!(dt_s > 0 && dt_s < kGap_s) || present == 0 || !history_.covers(last_frame_t_)) return;
+  const Vec3 b_g = running_ ? estimate_.state().b_g : Vec3::Zero();
+  const Preintegration motion = integrate(history_, last_frame_t_, t, b_g, Vec3::Zero(), noise_);
+  associator_.compare(present, so3_log(motion.dR), dt_s, turn_check_);
+}
+
 // What a pair says that is turned against what was calibrated is no depth: not of a start, either.
 bool Tracker::cameras_squint(TimeNs t) {
   const EpipolarTurn& turn = keyframer_.stereo().turn();
@@ -308,6 +317,7 @@ FrameEvidence Tracker::evidence(TimeNs t, const FrameResult& result, int cells) 
   out.gyro_bias_rad_s = state.b_g.norm();
   out.moved_along = standstill_.moved_along();
   out.cameras_disagree = pair_check_.in_doubt();
+  out.turns_against = turn_check_.against();
   return out;
 }
 

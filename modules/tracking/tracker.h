@@ -24,6 +24,7 @@
 #include "modules/tracking/initializer.h"
 #include "modules/tracking/keyframer.h"
 #include "modules/tracking/places.h"
+#include "modules/tracking/turn_check.h"
 
 namespace pirvs {
 
@@ -181,6 +182,7 @@ class Tracker {
   FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells) const;
   void compare_cameras(TimeNs t, const Correspondences& correspondences);
   bool cameras_squint(TimeNs t);
+  void compare_turns(TimeNs t, uint8_t present, double dt_s);
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
   void note_jump(const SE3& before, const SE3& after, bool certain);
@@ -194,6 +196,7 @@ class Tracker {
   MapMailbox* mailbox_ = nullptr;
 
   PairCheck pair_check_;
+  TurnCheck turn_check_;
   ImuHistory history_;
   ImuNoise noise_;            // of an IMU that nothing shakes
   VibrationMeter vibration_;  // and what does

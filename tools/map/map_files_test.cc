@@ -5,6 +5,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <memory>
@@ -47,18 +48,29 @@ TEST_F(MapFiles, AreTheOldOneOrTheNewOneWheneverTheWriterDies) {
   write_map_file(path_, *small);
   pirvs::testing::Random random(3);
   int inside = 0;
+  const auto began = std::chrono::steady_clock::now();
+  write_map_file(path_, *large);
+  const std::chrono::duration<double, std::micro> write_us =
+      std::chrono::steady_clock::now() - began;
   for (int i = 0; i < kDeaths; ++i) {
+    int writes[2];
+    ASSERT_EQ(pipe(writes), 0);
     const pid_t writer = fork();
     ASSERT_GE(writer, 0);
     if (writer == 0) {
       for (;;) {
         write_map_file(path_, *large);
+        if (write(writes[1], "", 1) != 1) _exit(1);
         write_map_file(path_, *small);
       }
     }
-    usleep(static_cast<useconds_t>(random.uniform(1000, 20000)));
+    char begun;
+    ASSERT_EQ(read(writes[0], &begun, 1), 1);
+    usleep(static_cast<useconds_t>(random.uniform(0, 2 * write_us.count())));
     kill(writer, SIGKILL);
     waitpid(writer, nullptr, 0);
+    close(writes[0]);
+    close(writes[1]);
     inside += fs::exists(path_ + ".part") ? 1 : 0;
     const size_t points = points_of(path_);
     ASSERT_TRUE(points == 1000 || points == 2000) << points;

@@ -68,6 +68,9 @@ std::string verdict(const Recording& recording, const RunLog& log) {
     return "tracking was lost at the end" + (imu.empty() ? "" : ": " + imu);
   }
   // Others pass by themselves.
+  if ((last.pose.trust.reasons & bit(Reason::kTurn)) != 0) {
+    return "gyro and images turn against each other: axes of the IMU, or T_BS?";
+  }
   const uint16_t lasting = bit(Reason::kBlind) | bit(Reason::kRejected) | bit(Reason::kAccelBias) |
                            bit(Reason::kGyroBias) | bit(Reason::kSpeed);
   const uint16_t doubts = last.pose.trust.reasons & lasting;

@@ -55,7 +55,10 @@ void face_axes(int axis, int& u, int& v) {
 
 Scene::Scene(const Path& path, const SceneOptions& options) : options_(options) {
   for (int k = 0; k < int(TextureKind::kCount) * kTexturesPerKind; ++k) {
-    const auto kind = TextureKind(k % int(TextureKind::kCount));
+    const auto kind = options.surfaces == Surfaces::kMixed
+                          ? TextureKind(k % int(TextureKind::kCount))
+                      : options.surfaces == Surfaces::kChequered ? TextureKind::kChequers
+                                                                 : TextureKind::kWhitewash;
     textures_.push_back(std::make_unique<Texture>(kind, mix64(options.seed) + uint64_t(k)));
   }
   std::vector<Vec3> points;

@@ -42,9 +42,17 @@ struct Pillar {
   double from_s = 0;                // comes in from the side then; 0: is there from the start
 };
 
+// What covers the hall and its boxes.
+enum class Surfaces : uint8_t {
+  kMixed,
+  kChequered,  // repeated texture: any match is as good as the next
+  kPlain       // faint texture, within the images' noise
+};
+
 struct SceneOptions {
   uint64_t seed = 1;  // of hall, boxes and textures
   int boxes = 40, movers = 0;
+  Surfaces surfaces = Surfaces::kMixed;
   bool room = false;   // boxes stand along the walls, outside of where any flight may go
   uint64_t visit = 1;  // seed of what is another in the same room on another day:
   double gone = 0;     // this share of the boxes

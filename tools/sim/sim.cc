@@ -138,6 +138,9 @@ SceneOptions make_scene_options(const SimOptions& options, const Pillar& pillar)
   out.movers = options.movers;
   out.gone = options.gone;
   out.relit = options.relit;
+  out.surfaces = options.surfaces == "chequered" ? Surfaces::kChequered
+                 : options.surfaces == "plain"   ? Surfaces::kPlain
+                                                 : Surfaces::kMixed;
   out.pillar = pillar;
   return out;
 }

@@ -48,7 +48,8 @@ struct SimOptions {
   uint64_t room = 0;   // a hall of this number that is the same for every flight; 0: the flight's
   double gone = 0;     // of a room: the share of its boxes that are not there
   bool relit = false;  // of a room: its lamps hang elsewhere
-  double mover = 0;    // share of the view that one object fills that sways before the camera
+  std::string surfaces = "mixed";  // what covers the hall: mixed, chequered, plain
+  double mover = 0;         // share of the view that one object fills that sways before the camera
   double mover_from_s = 0;  // 0: it is there from the start
   GnssOptions gnss;
   std::string gnss_of;  // only the fixes along this recording's truth: out is a gnss0

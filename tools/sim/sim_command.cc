@@ -50,6 +50,11 @@ void declare_world(CLI::App& app, SimOptions& o) {
       ->capture_default_str()
       ->check(CLI::Range(0.0, 1.0));
   app.add_flag("--relit", o.relit, "of a room: its lamps hang elsewhere");
+  app.add_option(
+         "--surfaces", o.surfaces,
+         "what covers hall and boxes: mixed, chequered (repeats itself) or plain (hardly more "
+         "than noise)")
+      ->check(CLI::IsMember({"mixed", "chequered", "plain"}));
   app.add_option("--mover", o.mover,
                  "share of the view covered by an object that moves in front of the camera")
       ->capture_default_str()

@@ -129,6 +129,16 @@ void draw_planks(Canvas& canvas, Random& random) {
   }
 }
 
+// Every field is as all others: nothing tells one corner from another.
+void draw_chequers(Canvas& canvas) {
+  constexpr int kField = kSize / 32;
+  for (int y = 0; y < kSize; y += kField) {
+    for (int x = 0; x < kSize; x += kField) {
+      fill_rectangle(canvas, x, y, kField, kField, (x + y) / kField % 2 == 0 ? 0.2f : 0.8f);
+    }
+  }
+}
+
 void draw(TextureKind kind, Canvas& canvas, Random& random) {
   switch (kind) {
     case TextureKind::kPlaster:
@@ -150,6 +160,13 @@ void draw(TextureKind kind, Canvas& canvas, Random& random) {
     case TextureKind::kPosters:
       draw_posters(canvas, random);
       add_octaves(canvas, random, 64, 512, 0.04f, 0.9f);
+      break;
+    case TextureKind::kChequers:
+      draw_chequers(canvas);
+      break;
+    case TextureKind::kWhitewash:
+      std::fill(canvas.begin(), canvas.end(), 0.6f);
+      add_octaves(canvas, random, 16, 256, 0.008f, 0.8f);
       break;
     case TextureKind::kPlanks:
     case TextureKind::kCount:

@@ -13,7 +13,18 @@
 
 namespace pirvs::tools {
 
-enum class TextureKind : uint8_t { kPlaster, kTiles, kBricks, kText, kPosters, kPlanks, kCount };
+// Up to kCount: those of a hall whose surfaces are mixed.
+enum class TextureKind : uint8_t {
+  kPlaster,
+  kTiles,
+  kBricks,
+  kText,
+  kPosters,
+  kPlanks,
+  kCount,
+  kChequers,
+  kWhitewash
+};
 
 class Texture {
  public:
