@@ -32,7 +32,8 @@ struct TestRecording {
 
 class TestDevice {
  public:
-  Target target;
+  Target target;  // what its yaml says
+  Target board;   // what it is: as uneven as boards are taken to be
   CameraRig rig;
   double offset_s;
   Mat3 gyro = Mat3::Identity(), accel = Mat3::Identity();
@@ -66,6 +67,10 @@ class TestDevice {
     noise.gyro_walk = 2e-5, noise.accel_walk = 3e-4;
     noise.rate_hz = 200;
     for (double& phase : phase_) phase = random_.uniform(0, 2 * M_PI);
+    board = target;
+    for (int tag = 0; tag < target.tags(); ++tag) {
+      board.shift_T.push_back(tag_prior_m(target).cwiseProduct(normal()));
+    }
   }
 
   std::vector<Shot> shots(const TestRecording& how) {
@@ -167,7 +172,7 @@ class TestDevice {
     constexpr double kRim_px = 12;  // a tag nearer to it is cut off
     for (int tag = 0; tag < target.tags(); ++tag) {
       TagImage image;
-      if (!project_tag(camera, target, T_CT, tag, image)) continue;
+      if (!project_tag(camera, board, T_CT, tag, image)) continue;
       const double x = random_.normal(), y = random_.normal();
       const Vec2 uv = image.uv + how.tag_px * Vec2(x, y);
       if (camera.in_image(uv, kRim_px)) out.tags.push_back({tag, uv});
