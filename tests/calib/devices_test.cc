@@ -9,7 +9,7 @@
 
 #include "core/math/so3.h"
 #include "tools/calib/device_calibration.h"
-#include "tools/calib/test_device.h"
+#include "tools/calib/simulated_device.h"
 
 namespace pirvs::tools {
 namespace {
@@ -22,7 +22,7 @@ struct Found {
   double seconds = 0;
 };
 
-Found calibrate(TestDevice& device, const TestRecording& how) {
+Found calibrate(SimulatedDevice& device, const SimulatedRecording& how) {
   CameraOptions options;
   options.model = CameraModel::kKannalaBrandt;
   options.size = {device.rig.camera[0].width, device.rig.camera[0].height};
@@ -39,7 +39,7 @@ Found calibrate(TestDevice& device, const TestRecording& how) {
 }
 
 // Found less true, in the order of the covariance.
-Eigen::VectorXd error_of(const TestDevice& device, const ImuCameraResult& r) {
+Eigen::VectorXd error_of(const SimulatedDevice& device, const ImuCameraResult& r) {
   Eigen::VectorXd out(r.covariance.rows());
   for (int c = 0; c < 2; ++c) {
     const SE3 &was = device.rig.camera[c].T_BC, &is = r.camera[c].T_BC;
@@ -49,12 +49,12 @@ Eigen::VectorXd error_of(const TestDevice& device, const ImuCameraResult& r) {
     out[16 * c + 7] = r.camera[c].drift;
     out.segment<8>(16 * c + 8) = lens_of(r.rig.camera[c]) - lens_of(device.rig.camera[c]);
   }
-  out.segment<3>(32) = r.b_g - device.b_g;
-  out.segment<3>(35) = r.b_a - device.b_a;
+  out.segment<3>(32) = r.b_g - device.imu.b_g;
+  out.segment<3>(35) = r.b_a - device.imu.b_a;
   Eigen::Index at = 38;
-  for (int i = 0; i < 9; ++i) out[at++] = r.gyro(i / 3, i % 3) - device.gyro(i / 3, i % 3);
+  for (int i = 0; i < 9; ++i) out[at++] = r.gyro(i / 3, i % 3) - device.imu.gyro(i / 3, i % 3);
   for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j <= i; ++j) out[at++] = r.accel(i, j) - device.accel(i, j);
+    for (int j = 0; j <= i; ++j) out[at++] = r.accel(i, j) - device.imu.accel(i, j);
   }
   return out;
 }
@@ -75,7 +75,7 @@ Consistency consistency(const Eigen::VectorXd& error, const Eigen::MatrixXd& P) 
   return out;
 }
 
-Consistency expect_truth(const TestDevice& device, const Found& found) {
+Consistency expect_truth(const SimulatedDevice& device, const Found& found) {
   const ImuCameraResult& r = found.result;
   double focal = 0, centre = 0, rotation = 0, place = 0, time = 0, gyro = 0, accel = 0;
   for (int c = 0; c < 2; ++c) {
@@ -88,8 +88,8 @@ Consistency expect_truth(const TestDevice& device, const Found& found) {
   }
   const double baseline = 1e3 * std::abs(r.baseline_m - device.rig.T_C1C0.p.norm());
   for (int i = 0; i < 3; ++i) {
-    gyro = std::max(gyro, std::abs(r.gyro(i, i) - device.gyro(i, i)));
-    accel = std::max(accel, std::abs(r.accel(i, i) - device.accel(i, i)));
+    gyro = std::max(gyro, std::abs(r.gyro(i, i) - device.imu.gyro(i, i)));
+    accel = std::max(accel, std::abs(r.accel(i, i) - device.imu.accel(i, i)));
   }
   const Consistency out = consistency(error_of(device, r), r.covariance);
   const HeldOut& held = found.cameras.held_out;
@@ -99,6 +99,7 @@ Consistency expect_truth(const TestDevice& device, const Found& found) {
               std::max(held.within_px[0], held.within_px[1]), held.across_px, 100 * focal, centre,
               baseline, rotation, place, time, 100 * gyro, 100 * accel, out.nees, out.worst,
               found.seconds);
+  std::fflush(stdout);
   EXPECT_LT(std::max(held.within_px[0], held.within_px[1]), 0.2);
   EXPECT_LT(held.across_px, 0.3);
   EXPECT_LT(focal, 1e-3);
@@ -116,13 +117,13 @@ Consistency expect_truth(const TestDevice& device, const Found& found) {
 TEST(calibration, devices_by_seed_are_found_within_their_sigmas) {
   const char* const more = std::getenv("PIRVS_CALIB_DEVICES");
   const int devices = more != nullptr ? std::atoi(more) : 1;
-  TestRecording how;
+  SimulatedRecording how;
   how.duration_s = more != nullptr ? 60 : 15;
   how.frames_hz = 12;
   double nees = 0;
   for (int seed = 1; seed <= devices; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
-    TestDevice device(static_cast<uint64_t>(seed));
+    SimulatedDevice device(static_cast<uint64_t>(seed));
     const Consistency found = expect_truth(device, calibrate(device, how));
     nees += found.nees / devices;
     // Of 53 values of each of 20 devices, the worst is rarely beyond four.
