@@ -99,15 +99,20 @@ std::string mav0_of(const std::string& folder) {
 }
 
 BoardImages find_boards(const std::string& folder, const Target& target, double rate_hz_max,
-                        InputLog& log) {
+                        double duration_s_max, InputLog& log) {
   const std::string mav0 = mav0_of(folder);
   BoardImages out;
   out.cameras = fs::is_directory(mav0 + "/cam1") ? 2 : 1;
   std::future<Found> jobs[2];
   for (int c = 0; c < out.cameras; ++c) {
     const std::string camera = mav0 + "/cam" + std::to_string(c);
-    const std::vector<ListedImage> list = list_images(camera, log);
+    std::vector<ListedImage> list = list_images(camera, log);
     if (list.empty()) throw InputError("no images", camera, "give an ASL folder");
+    const TimeNs end = list.front().t + from_seconds(duration_s_max);
+    out.left_out_s = std::max(out.left_out_s, to_seconds(list.back().t - end));
+    list.erase(std::find_if(list.begin(), list.end(),
+                            [end](const ListedImage& image) { return image.t > end; }),
+               list.end());
     out.rate_hz[c] = rate_of(list);
     jobs[c] = std::async(std::launch::async, [=, rate = out.rate_hz[c]] {
       return find_in(thinned(list, rate, rate_hz_max), camera, target);

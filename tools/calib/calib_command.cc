@@ -11,7 +11,8 @@ namespace {
 
 const Command* const kSteps[] = {
     &kCalibTargetCommand, &kCalibCornersCommand, &kCalibCamerasCommand, &kCalibImuCameraCommand,
-    &kCalibNoiseCommand,  &kCalibDeviceCommand,  &kCalibCheckCommand};
+    &kCalibNoiseCommand,  &kCalibDeviceCommand,  &kCalibBatchCommand,   &kCalibCheckCommand,
+    &kCalibSimulateCommand};
 
 std::function<int()> declare(CLI::App& app) {
   app.require_subcommand(1);

@@ -14,5 +14,7 @@ extern const Command kCalibImuCameraCommand;
 extern const Command kCalibNoiseCommand;
 extern const Command kCalibDeviceCommand;
 extern const Command kCalibCheckCommand;
+extern const Command kCalibBatchCommand;
+extern const Command kCalibSimulateCommand;
 
 }  // namespace pirvs::tools

@@ -16,9 +16,6 @@ namespace {
 constexpr double kOutlier_sigmas = 5;
 constexpr double kCauchy_sigmas = 3;
 constexpr double kStartSigma_px = 1;
-// How far a tag may be off its place, over the board's diagonal: in its plane, out of it. Paper
-// stretches, and is glued askew: EuRoC's board is 0.3 % longer one way than the other.
-constexpr double kInPlane = 0.5e-3, kOutOfPlane = 2e-3;
 constexpr int kRounds = 4;
 constexpr int kStepsMax = 40;
 
@@ -195,7 +192,7 @@ void build(const Target& target, const Target& flat, bool bent, const CameraRig&
   }
   if (right) problem.SetManifold(x.T_C1C0.rotation.q, manifold);
   // Residuals are pixels here.
-  const Vec3 tag_sigma = flat.diagonal_m() / sigma_px * Vec3(kInPlane, kInPlane, kOutOfPlane);
+  const Vec3 tag_sigma = tag_prior_m(flat) / sigma_px;
   for (Vec3& shift : x.shift_T) {
     if (!problem.HasParameterBlock(shift.data())) continue;
     problem.AddResidualBlock(new PriorCost(Vec3::Zero(), tag_sigma), nullptr, shift.data());
@@ -221,7 +218,41 @@ void summarize(const Target& target, const CameraRig& rig, const std::vector<Pos
   }
 }
 
+// A tag that no shot shows keeps its prior.
+bool covariances(const CameraRig& rig, double sigma_px, const Target& flat, Unknowns& x,
+                 ceres::Problem& problem, Adjustment& out) {
+  std::vector<double*> blocks = {x.lens[0].data()};
+  if (rig.cameras == 2) {
+    blocks.insert(blocks.end(), {x.lens[1].data(), x.T_C1C0.rotation.q, x.T_C1C0.p.data()});
+  }
+  if (!problem.HasParameterBlock(blocks.back())) return false;
+  std::vector<Eigen::Index> at;
+  for (size_t tag = 0; tag < x.shift_T.size(); ++tag) {
+    if (!problem.HasParameterBlock(x.shift_T[tag].data())) continue;
+    blocks.push_back(x.shift_T[tag].data());
+    for (int i = 0; i < 3; ++i) at.push_back(Eigen::Index(3 * tag) + i);
+  }
+  Eigen::MatrixXd P;
+  if (!marginal_covariance(problem, blocks, P)) return false;
+  P *= sigma_px * sigma_px;
+  const int n = rig.unknowns();
+  out.covariance = P.topLeftCorner(n, n);
+  const Eigen::VectorXd all = tag_prior_m(flat).cwiseAbs2().replicate(flat.tags(), 1);
+  out.board_covariance = all.asDiagonal();
+  for (size_t i = 0; i < at.size(); ++i) {
+    for (size_t j = 0; j < at.size(); ++j) {
+      out.board_covariance(at[i], at[j]) = P(n + Eigen::Index(i), n + Eigen::Index(j));
+    }
+  }
+  return true;
+}
+
 }  // namespace
+
+Vec3 tag_prior_m(const Target& target) {
+  constexpr double kInPlane = 0.5e-3, kOutOfPlane = 2e-3;
+  return target.diagonal_m() * Vec3(kInPlane, kInPlane, kOutOfPlane);
+}
 
 bool adjust(Target& target, bool bent, CameraRig& rig, std::vector<PosedShot>& shots,
             Adjustment& out) {
@@ -240,20 +271,9 @@ bool adjust(Target& target, bool bent, CameraRig& rig, std::vector<PosedShot>& s
     target.shift_T = x.shift_T;
     sigma_px = robust_sigma(target, rig, shots);
     gate_px = kOutlier_sigmas * std::max(sigma_px, 0.02);
-    if (round + 1 < kRounds) continue;
-    std::vector<double*> blocks = {x.lens[0].data()};
-    if (rig.cameras == 2) {
-      blocks.insert(blocks.end(), {x.lens[1].data(), x.T_C1C0.rotation.q, x.T_C1C0.p.data()});
+    if (bent && round + 1 == kRounds && !covariances(rig, sigma_px, flat, x, problem, out)) {
+      return false;
     }
-    if (!problem.HasParameterBlock(blocks.back())) return false;
-    if (!marginal_covariance(problem, blocks, out.covariance)) return false;
-    for (Vec3& shift : x.shift_T) {
-      if (problem.HasParameterBlock(shift.data())) problem.SetParameterBlockConstant(shift.data());
-    }
-    Eigen::MatrixXd known_board;
-    if (!marginal_covariance(problem, blocks, known_board)) return false;
-    out.by_board = sigma_px * sigma_px * (out.covariance - known_board);
-    out.covariance *= sigma_px * sigma_px;
   }
   out.sigma_px = sigma_px;
   summarize(target, rig, shots, out);

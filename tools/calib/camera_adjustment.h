@@ -40,10 +40,15 @@ struct Adjustment {
   size_t tags[2] = {0, 0};
   size_t outliers = 0;
   Eigen::MatrixXd covariance;
-  Eigen::MatrixXd by_board;  // how much of it comes from not knowing the board's shape
+  Eigen::MatrixXd board_covariance;  // of the tags' shifts, three a tag, by id
 };
 
-// bent: tags may be off their places on a flat board, and target.shift_T says how far.
+// How far a tag may be off its place on a flat board, one sigma. Paper stretches, and is glued
+// askew: EuRoC's board is 0.3 % longer one way than the other.
+Vec3 tag_prior_m(const Target& target);
+
+// bent: tags may be off their places on a flat board, and target.shift_T says how far. Only then
+// are there covariances.
 bool adjust(Target& target, bool bent, CameraRig& rig, std::vector<PosedShot>& shots,
             Adjustment& out);
 

@@ -25,9 +25,11 @@ void print_lens(const CameraResult& result, int c) {
 
 void read_images(const CornerOptions& options, CornerInput& out) {
   InputLog log;
-  BoardImages found = find_boards(options.sequence, out.target, options.rate_hz, log);
+  BoardImages found = 
+      find_boards(options.sequence, out.target, options.rate_hz, options.duration_s_max, log);
   print_log(options.sequence, log);
   out.tags_twice = log.counted("tags_seen_twice");
+  out.left_out_s = found.left_out_s;
   out.how.size = found.size;
   out.cameras = found.cameras;
   std::vector<View> views[2];

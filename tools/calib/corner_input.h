@@ -20,7 +20,8 @@ struct CornerOptions {
   std::vector<std::string> files;
   std::string target, model;
   std::vector<int> size;
-  double rate_hz = 20;  // of images looked at
+  double rate_hz = 20;         // of images looked at
+  double duration_s_max = 1e6;  // likewise
 };
 
 struct CornerInput {
@@ -28,6 +29,7 @@ struct CornerInput {
   std::vector<Shot> shots;
   int cameras = 1;
   size_t tags_twice = 0;  // dropped: the image has them twice
+  double left_out_s = 0;  // beyond duration_s_max
   CameraOptions how;
 };
 

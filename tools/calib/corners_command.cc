@@ -9,6 +9,8 @@
 namespace pirvs::tools {
 namespace {
 
+constexpr double kWhole_s = 1e6;
+
 struct Options {
   std::string sequence, target, out;
   double rate_hz = 20;
@@ -16,7 +18,7 @@ struct Options {
 
 int run(const Options& o) {
   InputLog log;
-  const BoardImages found = find_boards(o.sequence, read_target(o.target), o.rate_hz, log);
+  const BoardImages found = find_boards(o.sequence, read_target(o.target), o.rate_hz, kWhole_s, log);
   print_log(o.sequence, log);
   for (int c = 0; c < found.cameras; ++c) {
     size_t corners = 0;

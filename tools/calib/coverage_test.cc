@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include "tools/calib/test_device.h"
+#include "tools/calib/simulated_device.h"
 
 namespace pirvs::tools {
 namespace {
 
 // The truth's poses: this is about what was shown, not about finding it.
-std::vector<PosedShot> shots_of(TestDevice& device, const TestRecording& how) {
+std::vector<PosedShot> shots_of(SimulatedDevice& device, const SimulatedRecording& how) {
   std::vector<PosedShot> out;
   for (const Shot& shot : device.shots(how)) {
     out.push_back({shot, device.pose(how, shot.t)});
@@ -16,13 +16,13 @@ std::vector<PosedShot> shots_of(TestDevice& device, const TestRecording& how) {
   return out;
 }
 
-Coverage coverage_of(const TestRecording& how) {
-  TestDevice device(3);
+Coverage coverage_of(const SimulatedRecording& how) {
+  SimulatedDevice device(3);
   return measure(device.target, device.rig, shots_of(device, how));
 }
 
-TestRecording short_recording() {
-  TestRecording how;
+SimulatedRecording short_recording() {
+  SimulatedRecording how;
   how.duration_s = 30;
   how.frames_hz = 4;
   return how;
@@ -35,7 +35,7 @@ TEST(coverage, of_a_good_recording_lacks_nothing) {
 }
 
 TEST(coverage, names_what_is_missing) {
-  TestRecording how = short_recording();
+  SimulatedRecording how = short_recording();
   how.turning = 0.05;
   EXPECT_NE(missing(coverage_of(how), 2).what.find("about its line of sight"), std::string::npos)
       << missing(coverage_of(how), 2).what;
@@ -49,7 +49,7 @@ TEST(coverage, names_what_is_missing) {
 }
 
 TEST(coverage, a_bare_rim_is_named_with_its_side) {
-  TestDevice device(3);
+  SimulatedDevice device(3);
   std::vector<PosedShot> shots = shots_of(device, short_recording());
   for (PosedShot& shot : shots) {
     std::vector<SeenTag> kept;

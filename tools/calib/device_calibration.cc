@@ -8,7 +8,6 @@
 namespace pirvs::tools {
 namespace {
 
-constexpr double kLong_s = 180;      // more says nothing new and takes long
 constexpr double kTwice = 0.1;       // of all tags
 constexpr double kBlurred_px = 0.5;  // noise of a tag
 constexpr double kOffsetOdd_s = 0.05;
@@ -18,11 +17,11 @@ std::string percent(double share) { return std::to_string(int(std::lround(100 * 
 
 void cut(DeviceRecording& in, std::vector<std::string>& warnings) {
   const TimeNs begin = in.shots.front().t;
-  const double all_s = to_seconds(in.shots.back().t - begin);
-  if (all_s <= kLong_s) return;
+  const double all_s = to_seconds(in.shots.back().t - begin) + in.left_out_s;
+  if (all_s <= kRecording_s_max) return;
   warnings.push_back("the recording is " + std::to_string(int(all_s)) + " s long: its first " +
-                     std::to_string(int(kLong_s)) + " s are used, 90 s would do");
-  const TimeNs end = begin + from_seconds(kLong_s);
+                     std::to_string(int(kRecording_s_max)) + " s are used, 90 s would do");
+  const TimeNs end = begin + from_seconds(kRecording_s_max);
   in.shots.erase(std::find_if(in.shots.begin(), in.shots.end(),
                               [&](const Shot& shot) { return shot.t > end; }),
                  in.shots.end());
@@ -110,14 +109,20 @@ bool DeviceResult::passed() const {
                      [](const DeviceCheck& check) { return check.passed(); });
 }
 
-DeviceResult calibrate_device(DeviceRecording in, const DeviceLimits& limits) {
-  DeviceResult out;
+std::vector<std::string> tidy(DeviceRecording& in) {
   if (in.shots.empty()) {
     throw InputError("the board is never in view", "the recording", "record it for a minute");
   }
-  cut(in, out.warnings);
-  look_for_holes(in, out.warnings);
-  look_for_a_second_board(in, out.warnings);
+  std::vector<std::string> warnings;
+  cut(in, warnings);
+  look_for_holes(in, warnings);
+  look_for_a_second_board(in, warnings);
+  return warnings;
+}
+
+DeviceResult calibrate_device(DeviceRecording in, const DeviceLimits& limits) {
+  DeviceResult out;
+  out.warnings = tidy(in);
   out.cameras = calibrate_cameras(in.target, in.shots, in.cameras, in.how);
   if (out.cameras.adjustment.sigma_px > kBlurred_px) {
     throw InputError("the images are blurred, or the board bends: its tags scatter by " +

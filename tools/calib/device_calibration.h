@@ -17,6 +17,8 @@
 
 namespace pirvs::tools {
 
+inline constexpr double kRecording_s_max = 180;  // more says nothing new and takes long
+
 struct DeviceLimits {
   double within_px = 0.2, across_px = 0.3;      // a tag, on shots left out
   double focal_percent = 0.1, centre_px = 0.3;  // one sigma of each; so below
@@ -33,6 +35,7 @@ struct DeviceRecording {
   std::vector<ImuSample> imu;
   ImuCameraOptions motion;
   size_t tags_twice = 0;  // dropped, since the image has them twice
+  double left_out_s = 0;  // of images that were not looked at, after kRecording_s_max
 };
 
 struct DeviceCheck {
@@ -48,6 +51,9 @@ struct DeviceResult {
   std::vector<std::string> warnings;
   bool passed() const;
 };
+
+// Cuts what is too long, refuses what has holes or shows two boards; returns warnings.
+std::vector<std::string> tidy(DeviceRecording& recording);
 
 DeviceResult calibrate_device(DeviceRecording recording, const DeviceLimits& limits);
 

@@ -1,17 +1,18 @@
 // `pirvs calib device`: one recording in; calibration files, a page, pass or fail out.
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "modules/calibration/calibration_text.h"
+#include "core/math/so3.h"
 #include "tools/calib/board_images.h"
 #include "tools/calib/calib_command.h"
 #include "tools/calib/corner_input.h"
 #include "tools/calib/device_calibration.h"
 #include "tools/calib/result_files.h"
-#include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/sensor_tables.h"
 #include "tools/report/page.h"
@@ -32,6 +33,7 @@ DeviceRecording read(const Options& o) {
   out.cameras = input.cameras;
   out.how = input.how;
   out.tags_twice = input.tags_twice;
+  out.left_out_s = input.left_out_s;
   const std::string own = o.corners.sequence.empty() ? "" : mav0_of(o.corners.sequence) + "/imu0";
   const std::string path = o.imu.empty() ? own + "/data.csv" : o.imu;
   InputLog log;
@@ -51,45 +53,99 @@ std::string row(const DeviceCheck& check) {
   return text;
 }
 
-// What the stack would refuse is not handed out.
-void write_device_file(const std::string& path, const DeviceResult& r, const FoundImu& imu) {
-  Calibration calibration;
-  calibration.cameras = r.imu.rig.cameras;
-  for (int c = 0; c < calibration.cameras; ++c) calibration.camera[c] = r.imu.rig.camera[c];
-  calibration.imu = imu.noise;
-  calibration.imu_intrinsics = imu.intrinsics;
-  calibration.camera_time_offset_ns = from_seconds(r.imu.camera[0].offset_s);
-  check_sense(calibration, "the calibration that was found");
-  ::pirvs::Text<kCalibrationTextMax> text;
-  write_calibration(calibration, text);
-  std::ofstream file(path);
-  file << "# Written by `pirvs calib device`.\n" << text.c_str();
-  file.close();
-  if (!file) throw InputError("cannot write", path, "check space and permissions");
+// Tags in each cell of the image: the darker, the more.
+std::string coverage_svg(const Coverage& coverage, int camera) {
+  constexpr int kCell_px = 24, kMany = 30;
+  char text[200];
+  std::snprintf(text, sizeof text, "<svg viewBox=\"0 0 %d %d\" style=\"max-width:%dpx\">\n",
+                kCell_px * Coverage::kColumns, kCell_px * Coverage::kRows,
+                kCell_px * Coverage::kColumns);
+  std::string out = text;
+  for (int y = 0; y < Coverage::kRows; ++y) {
+    for (int x = 0; x < Coverage::kColumns; ++x) {
+      const int count = coverage.cells[camera][y][x];
+      const double opacity = 0.15 + 0.85 * std::min(1.0, double(count) / kMany);
+      std::snprintf(text, sizeof text,
+                    "<rect x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\" fill=\"%s\" "
+                    "fill-opacity=\"%.2f\"><title>%d</title></rect>\n",
+                    kCell_px * x + 1, kCell_px * y + 1, kCell_px - 2, kCell_px - 2,
+                    count > 0 ? "var(--accent)" : "var(--grid)", count > 0 ? opacity : 1.0, count);
+      out += text;
+    }
+  }
+  return out + "</svg>\n";
+}
+
+std::string found_table(const DeviceResult& r) {
+  std::string out = "<table>\n<tr><th>found</th>";
+  for (int c = 0; c < r.imu.rig.cameras; ++c) out += "<th>cam" + std::to_string(c) + "</th>";
+  out += "</tr>\n";
+  const auto row = [&](const std::string& what, const auto& value, const auto& sigma, double scale,
+                       const char* unit) {
+    out += "<tr><td>" + what + "</td>";
+    for (int c = 0; c < r.imu.rig.cameras; ++c) {
+      char text[96];
+      std::snprintf(text, sizeof text, "<td>%.4f &plusmn; %.4f %s</td>", scale * value(c),
+                    scale * sigma(c), unit);
+      out += text;
+    }
+    out += "</tr>\n";
+  };
+  for (int i = 0; i < kLensSize; ++i) {
+    row(
+        kLensNames[i], [&](int c) { return lens_of(r.imu.rig.camera[c])[i]; },
+        [&](int c) { return r.imu.camera[c].lens_sigma[i]; }, 1, i < 4 ? "px" : "");
+  }
+  const char* const axes[3] = {"x", "y", "z"};
+  for (int i = 0; i < 3; ++i) {
+    row(
+        std::string("rotation about B's ") + axes[i],
+        [&](int c) { return so3_log(r.imu.camera[c].T_BC.R)[i]; },
+        [&](int c) { return r.imu.camera[c].sigma[i]; }, 180 / M_PI, "degrees");
+  }
+  for (int i = 0; i < 3; ++i) {
+    row(
+        std::string("place along B's ") + axes[i],
+        [&](int c) { return r.imu.camera[c].T_BC.p[i]; },
+        [&](int c) { return r.imu.camera[c].sigma[3 + i]; }, 1e3, "mm");
+  }
+  row(
+      "time offset", [&](int c) { return r.imu.camera[c].offset_s; },
+      [&](int c) { return r.imu.camera[c].sigma[6]; }, 1e3, "ms");
+  return out + "</table>\n";
 }
 
 std::string page(const Options& o, const DeviceResult& r) {
-  std::string out = "<header><div><h1>" + std::string(r.passed() ? "Passed" : "Failed") +
-                    "</h1><div class=sub>" + html_escape(o.serial + " " + o.corners.sequence) +
+  const bool passed = r.passed();
+  std::string out = "<header><div><h1>" + std::string(passed ? "Passed" : "Failed") + " " +
+                    html_escape(o.serial) + "</h1><div class=sub>" +
+                    html_escape(o.corners.sequence) +
                     "</div></div></header>\n<div class=card><table>\n"
-                    "<tr><th>what</th><th>found</th><th>limit</th><th></th></tr>\n";
+                    "<tr><th>what</th><th>measured</th><th>limit</th><th></th></tr>\n";
   for (const DeviceCheck& check : r.checks) {
-    char numbers[96];
-    std::snprintf(numbers, sizeof numbers, "<td>%.4f %s</td><td>%g</td><td>%s</td>", check.value,
-                  check.unit.c_str(), check.limit, check.passed() ? "" : "failed");
+    char numbers[160];
+    std::snprintf(numbers, sizeof numbers,
+                  "<td>%.4f %s</td><td>%g</td><td><span class=\"pill %s\">%s</span></td>",
+                  check.value, check.unit.c_str(), check.limit, check.passed() ? "good" : "bad",
+                  check.passed() ? "kept" : "FAILED");
     out += "<tr><td>" + html_escape(check.what) + "</td>" + numbers + "</tr>\n";
   }
   out += "</table></div>\n";
   for (const std::string& warning : r.warnings) {
-    out += "<div class=card>" + html_escape(warning) + "</div>\n";
+    out += "<div class=card><span class=\"pill warn\">odd</span> " + html_escape(warning) +
+           "</div>\n";
   }
   for (const std::string& what : r.imu.unexcited) {
-    out += "<div class=card>not told by the motion: " + html_escape(what) + "</div>\n";
+    out += "<div class=card><span class=\"pill bad\">not told by the motion</span> " +
+           html_escape(what) + "</div>\n";
   }
+  out += "<div class=two>\n";
   for (int c = 0; c < r.cameras.rig.cameras; ++c) {
-    out += "<div class=card><h2>Tags seen by cam" + std::to_string(c) + "</h2><pre>" +
-           html_escape(picture(r.cameras.coverage, c)) + "</pre></div>\n";
+    out += "<div class=card><h2>Tags seen by cam" + std::to_string(c) + "</h2>" +
+           coverage_svg(r.cameras.coverage, c) + "</div>\n";
   }
+  out += "</div>\n";
+  out += "<div class=card><h2>What was found, one sigma</h2>" + found_table(r) + "</div>\n";
   return html_page("Calibration " + html_escape(o.serial), out);
 }
 
@@ -116,7 +172,7 @@ void write(const Options& o, const DeviceResult& r, const ImuNoise& noise) {
   if (!r.passed()) return;  // no device is to get what has failed
   write_sensor_files(o.out, r.imu.rig, offset_s, &found);
   write_camchain(o.out, r.imu.rig, offset_s, &found);
-  write_device_file(o.out + "/calibration.cfg", r, found);
+  write_device_file(o.out + "/calibration.cfg", r.imu.rig, offset_s, found);
 }
 
 int run(const Options& o) {
@@ -136,6 +192,7 @@ int run(const Options& o) {
 std::function<int()> declare(CLI::App& app) {
   const auto o = std::make_shared<Options>();
   o->corners.rate_hz = 12;
+  o->corners.duration_s_max = kRecording_s_max;
   declare_corners(app, o->corners);
   app.add_option("--imu", o->imu, "samples, else the recording's");
   app.add_option("--noise", o->noise, "densities, else the recording's imu0/sensor.yaml");

@@ -1,6 +1,5 @@
 #include "tools/calib/imu_camera.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -51,22 +50,8 @@ void name_unexcited(const ImuCameraResult& r, bool imu_intrinsics, std::vector<s
   }
 }
 
-// The lenses' share of the board's error, and what follows it by regression on the lenses.
-void add_board(const CameraResult& cameras, Eigen::MatrixXd& P) {
-  const int lenses = kLensSize * cameras.rig.cameras;
-  Eigen::MatrixXd of_lenses(P.rows(), lenses);
-  for (int c = 0; c < cameras.rig.cameras; ++c) {
-    of_lenses.middleCols(kLensSize * c, kLensSize) = P.middleCols(kPerCamera * c + 8, kLensSize);
-  }
-  Eigen::MatrixXd L(lenses, lenses);
-  for (int c = 0; c < cameras.rig.cameras; ++c) {
-    L.middleRows(kLensSize * c, kLensSize) = of_lenses.middleRows(kPerCamera * c + 8, kLensSize);
-  }
-  const Eigen::MatrixXd gain = L.ldlt().solve(of_lenses.transpose()).transpose();
-  P += gain * cameras.adjustment.by_board.topLeftCorner(lenses, lenses) * gain.transpose();
-}
-
-void take_sigmas(const Eigen::MatrixXd& P, bool imu_intrinsics, ImuCameraResult& out) {
+void take_sigmas(bool imu_intrinsics, ImuCameraResult& out) {
+  const Eigen::MatrixXd& P = out.covariance;
   const Eigen::VectorXd sigma = P.diagonal().cwiseSqrt();
   for (int c = 0; c < out.rig.cameras; ++c) {
     out.camera[c].sigma = sigma.segment<8>(kPerCamera * c);
@@ -143,13 +128,11 @@ ImuCameraResult calibrate_imu_camera(const CameraResult& cameras, const std::vec
   solve(problem, weights, 10);
   ImuCameraResult out = collect(problem, cameras.rig);
   out.frames = shots.size();
-  Eigen::MatrixXd P;
-  if (!problem.covariance(P)) {
+  if (!problem.covariance(cameras.adjustment.board_covariance, out.covariance)) {
     throw InputError("the motion leaves the calibration open", "the recording",
                      "turn and move the device along all three axes, with the board in view");
   }
-  add_board(cameras, P);
-  take_sigmas(P, options.imu_intrinsics, out);
+  take_sigmas(options.imu_intrinsics, out);
   name_unexcited(out, options.imu_intrinsics, out.unexcited);
   return out;
 }

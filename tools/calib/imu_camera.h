@@ -1,8 +1,7 @@
 // What    Calibrates cameras against the IMU: where they stand, when they look, and the IMU itself.
-// In      Rig, board and shots as `calibrate_cameras` left them, with its covariance as prior of
-//         nothing: lenses are estimated again, from all shots, together with the motion. The board
-//         is not: what its shape's error does to lenses there is added to the sigmas here, and to
-//         all that goes with lenses. Noise densities of the IMU.
+// In      Rig, board and shots as `calibrate_cameras` left them. Its lenses are a start alone: they
+//         are estimated again, from all shots, together with the motion. Its board is held, and the
+//         covariance of the board's shape carried over to everything. Noise densities of the IMU.
 // Out     Everything with a sigma; what the motion did not excite keeps its prior and is named.
 // Frames  B: the accelerometer; T: the board. measured = matrix * true + bias; the accelerometer's
 //         matrix is lower triangular, which is what fixes B's axes.
@@ -53,6 +52,9 @@ struct ImuCameraResult {
   double gyro_rms = 0, accel_rms = 0;        // of residuals, rad/s, m/s^2
   double gyro_excess = 1, accel_excess = 1;  // noise over what the densities say
   std::vector<std::string> unexcited;        // what kept its prior
+  // 16 of each camera: theta, p, offset, drift, lens; then b_g, b_a, and, if they were estimated,
+  // 9 of `gyro` by rows, 6 of `accel`'s lower triangle by rows.
+  Eigen::MatrixXd covariance;
 };
 
 ImuCameraResult calibrate_imu_camera(const CameraResult& cameras, const std::vector<ImuSample>& imu,

@@ -155,6 +155,7 @@ void MotionProblem::add_imu(const Weights& weights) {
 
 void MotionProblem::add_images(const Weights& weights) {
   auto* const loss = new ceres::CauchyLoss(kCauchy_sigmas);
+  images_.clear();
   for (size_t i = 0; i < shots_.size(); ++i) {
     for (int c = 0; c < rig_.cameras; ++c) {
       const View& view = shots_[i].shot.view[c];
@@ -166,13 +167,14 @@ void MotionProblem::add_images(const Weights& weights) {
       set_lens(x_.lens[c].data(), camera);
       const SE3 own = c == 0 ? shots_[i].T_C0T : rig_.T_C1C0 * shots_[i].T_C0T;
       FrameFactor factor;
+      BoardRows board;
       const SE3 at = solved_ ? board_in(c, t_s) : own;
-      if (!make_frame_factor(camera, target_, view, at, weights.sigma_px, factor)) continue;
+      if (!make_frame_factor(camera, target_, view, at, weights.sigma_px, factor, board)) continue;
       blocks.insert(blocks.end(), {x_.R_BC[c].q, x_.p_BC[c].data(), x_.time[c], x_.lens[c].data()});
       const double camera_s = to_seconds(view.t - epoch_);
-      problem_->AddResidualBlock(new FrameCost(factor, camera_s, camera_s - middle_s_,
-                                               x_.t0_s + x_.segment(t_s) * x_.dt_s, x_.dt_s),
-                                 loss, blocks);
+      auto* const cost = new FrameCost(factor, camera_s, camera_s - middle_s_,
+                                       x_.t0_s + x_.segment(t_s) * x_.dt_s, x_.dt_s);
+      images_.push_back({problem_->AddResidualBlock(cost, loss, blocks), std::move(board)});
     }
   }
 }
@@ -231,7 +233,10 @@ bool MotionProblem::solve(const Weights& weights, int steps_max) {
   return summary.IsSolutionUsable();
 }
 
-bool MotionProblem::covariance(Eigen::MatrixXd& out) {
+// The estimate moves with the board that it took for granted. The first stage's error of the board
+// is not correlated with the error that is left here once the board is given: the first stage let
+// lens and poses free, so its board follows what of the noise neither of them can explain.
+bool MotionProblem::covariance(const Eigen::MatrixXd& board, Eigen::MatrixXd& out) {
   std::vector<double*> blocks;
   for (int c = 0; c < rig_.cameras; ++c) {
     blocks.insert(blocks.end(), {x_.R_BC[c].q, x_.p_BC[c].data(), x_.time[c], x_.lens[c].data()});
@@ -239,7 +244,25 @@ bool MotionProblem::covariance(Eigen::MatrixXd& out) {
   const size_t middle = x_.b_g.size() / 2;
   blocks.insert(blocks.end(), {x_.b_g[middle].data(), x_.b_a[middle].data()});
   if (options_.imu_intrinsics) blocks.insert(blocks.end(), {x_.gyro, x_.accel});
-  return marginal_covariance(*problem_, blocks, out);
+  Eigen::MatrixXd influence;
+  if (!marginal_covariance(*problem_, blocks, out, &influence)) return false;
+  Eigen::MatrixXd by_board = Eigen::MatrixXd::Zero(out.rows(), board.rows());
+  for (size_t i = 0; i < images_.size(); ++i) {
+    const Image& image = images_[i];
+    double half_square = 0;
+    if (!problem_->EvaluateResidualBlock(image.id, false, &half_square, nullptr, nullptr)) {
+      return false;
+    }
+    // As the loss has weighted the rows of `influence`.
+    const double weight = 1 / std::sqrt(1 + 2 * half_square / (kCauchy_sigmas * kCauchy_sigmas));
+    const auto rows = influence.middleRows<kFrameSize>(kFrameSize * Eigen::Index(i));
+    for (size_t k = 0; k < image.board.tags.size(); ++k) {
+      by_board.middleCols<3>(3 * image.board.tags[k]) -=
+          weight * rows.transpose() * image.board.by_shift.middleCols<3>(3 * Eigen::Index(k));
+    }
+  }
+  out += by_board * board * by_board.transpose();
+  return out.allFinite();
 }
 
 MotionProblem::Residuals MotionProblem::residuals() const {

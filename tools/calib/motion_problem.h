@@ -60,7 +60,9 @@ class MotionProblem {
 
   // Linearizes images where the board is now seen: at the boards' own poses the first time.
   bool solve(const Weights& weights, int steps_max);
-  bool covariance(Eigen::MatrixXd& out);  // of the blocks in the order of kept()
+  // Of theta, p, offset, drift and lens of each camera, both biases, both matrices of the IMU.
+  // board: of the tags' shifts, which were estimated before and are held here.
+  bool covariance(const Eigen::MatrixXd& board, Eigen::MatrixXd& out);
 
   const MotionUnknowns& unknowns() const { return x_; }
   // Root mean squares over all samples and corners; excess over the densities, less what the knots
@@ -83,6 +85,11 @@ class MotionProblem {
   bool solved_ = false;
   MotionUnknowns x_;
   std::unique_ptr<ceres::Problem> problem_;
+  struct Image {
+    ceres::ResidualBlockId id;
+    BoardRows board;
+  };
+  std::vector<Image> images_;  // the first residuals of the problem
 
   double image_time_s(size_t shot, int camera) const;
   SE3 board_in(int camera, double t_s) const;

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include "core/math/so3.h"
 #include "tools/calib/board_scale.h"
-#include "tools/calib/test_device.h"
+#include "tools/calib/simulated_device.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -11,7 +12,7 @@ namespace {
 
 // The board's true poses, with noise of a millimetre and a milliradian.
 struct Flight {
-  explicit Flight(const TestRecording& how = recording(), uint64_t seed = 1) : device(seed) {
+  explicit Flight(const SimulatedRecording& how = recording(), uint64_t seed = 1) : device(seed) {
     Random random(seed, 2);
     const auto noise = [&]() -> Vec3 {
       const double x = random.normal(), y = random.normal(), z = random.normal();
@@ -25,8 +26,8 @@ struct Flight {
     }
     imu = device.samples(how);
   }
-  static TestRecording recording() {
-    TestRecording out;
+  static SimulatedRecording recording() {
+    SimulatedRecording out;
     out.duration_s = 12, out.frames_hz = 12;
     return out;
   }
@@ -39,7 +40,7 @@ struct Flight {
     return "";
   }
 
-  TestDevice device;
+  SimulatedDevice device;
   std::vector<PosedShot> shots;
   std::vector<ImuSample> imu;
 };
@@ -70,7 +71,7 @@ TEST(motion_start, refuses_by_name) {
   EXPECT_FALSE(other.refusal().empty());
   for (PosedShot& shot : small.shots) shot.T_C0T.p *= 0.9;  // as with tagSize 10 % too small
   EXPECT_TRUE(has(small.refusal(), "of the size that its yaml says")) << small.refusal();
-  TestRecording how = Flight::recording();
+  SimulatedRecording how = Flight::recording();
   how.turning = 0.05;
   EXPECT_TRUE(has(Flight(how).refusal(), "hardly turns"));
 }

@@ -7,7 +7,9 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "modules/calibration/calibration_text.h"
 #include "modules/recorder/sensor_yaml.h"
+#include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -124,6 +126,23 @@ void write_camchain(const std::string& folder, const CameraRig& rig, const doubl
   }
   file.finish();
   if (imu != nullptr) write_imu_yaml(folder + "/imu.yaml", *imu);
+}
+
+void write_device_file(const std::string& path, const CameraRig& rig, const double* offset_s,
+                       const FoundImu& imu) {
+  Calibration calibration;
+  calibration.cameras = rig.cameras;
+  for (int c = 0; c < rig.cameras; ++c) calibration.camera[c] = rig.camera[c];
+  calibration.imu = imu.noise;
+  calibration.imu_intrinsics = imu.intrinsics;
+  calibration.camera_time_offset_ns = from_seconds(offset_s[0]);
+  check_sense(calibration, path);
+  ::pirvs::Text<kCalibrationTextMax> text;
+  write_calibration(calibration, text);
+  Text file(path);
+  file.put("# Written by `pirvs calib`.\n");
+  file.put(text.c_str());
+  file.finish();
 }
 
 void write_imu_yaml(const std::string& path, const FoundImu& imu) {

@@ -4,9 +4,10 @@
 //                              them and `pirvs run --calib` and `pirvs calibration` read them
 //         write_camchain       DIR/camchain.yaml, with an IMU DIR/camchain-imucam.yaml and
 //                              DIR/imu.yaml: Kalibr's
+//         write_device_file    calibration.cfg, as a device reads it
 //         camera_json, imu_json  parts of DIR/calibration.json: values, sigmas, residuals
 // Units   as Kalibr and ASL have them: px, m, rad, s; timeshift: t_imu = t_cam + shift.
-// Errors  InputError: cannot be written.
+// Errors  InputError: cannot be written; a calibration that the stack would refuse.
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
@@ -31,6 +32,10 @@ void write_sensor_files(const std::string& folder, const CameraRig& rig, const d
                         const FoundImu* imu);
 void write_camchain(const std::string& folder, const CameraRig& rig, const double* offset_s,
                     const FoundImu* imu);
+
+// The left camera's offset moves the pair.
+void write_device_file(const std::string& path, const CameraRig& rig, const double* offset_s,
+                       const FoundImu& imu);
 
 void write_imu_yaml(const std::string& path, const FoundImu& imu);
 

@@ -27,11 +27,9 @@ std::map<const double*, std::pair<int, int>> columns_of(const ceres::Problem& pr
   return out;
 }
 
-Sparse normal_matrix(const ceres::CRSMatrix& J) {
-  const Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>> map(
+Sparse sparse(const ceres::CRSMatrix& J) {
+  return Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>(
       J.num_rows, J.num_cols, J.rows.back(), J.rows.data(), J.cols.data(), J.values.data());
-  const Sparse column_major = map;
-  return column_major.transpose() * column_major;
 }
 
 }  // namespace
@@ -69,12 +67,13 @@ bool RotationManifold::MinusJacobian(const double*, double* jacobian) const {
 }
 
 bool marginal_covariance(ceres::Problem& problem, const std::vector<double*>& blocks,
-                         Eigen::MatrixXd& out) {
+                         Eigen::MatrixXd& out, Eigen::MatrixXd* influence) {
   ceres::Problem::EvaluateOptions how;
   const auto columns = columns_of(problem, how.parameter_blocks);
-  ceres::CRSMatrix J;
-  if (!problem.Evaluate(how, nullptr, nullptr, nullptr, &J)) return false;
-  Sparse A = normal_matrix(J);
+  ceres::CRSMatrix rows;
+  if (!problem.Evaluate(how, nullptr, nullptr, nullptr, &rows)) return false;
+  const Sparse J = sparse(rows);
+  Sparse A = J.transpose() * J;
   const Eigen::VectorXd diagonal = A.diagonal();
   if (!(diagonal.minCoeff() > 0)) return false;
   const Eigen::VectorXd scale = diagonal.cwiseSqrt().cwiseInverse();
@@ -88,13 +87,13 @@ bool marginal_covariance(ceres::Problem& problem, const std::vector<double*>& bl
   }
   const auto n = Eigen::Index(wanted.size());
   out.resize(n, n);
+  if (influence != nullptr) influence->resize(J.rows(), n);
   for (Eigen::Index j = 0; j < n; ++j) {
     Eigen::VectorXd b = Eigen::VectorXd::Zero(A.rows());
     b[wanted[size_t(j)]] = scale[wanted[size_t(j)]];
-    const Eigen::VectorXd x = factor.solve(b);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      out(i, j) = x[wanted[size_t(i)]] * scale[wanted[size_t(i)]];
-    }
+    const Eigen::VectorXd x = factor.solve(b).cwiseProduct(scale);
+    for (Eigen::Index i = 0; i < n; ++i) out(i, j) = x[wanted[size_t(i)]];
+    if (influence != nullptr) influence->col(j) = J * x;
   }
   return out.allFinite() && out.diagonal().minCoeff() > 0;
 }

@@ -3,7 +3,8 @@
 // In      Rotations lie in memory as quaternions x y z w. A cost function writes the derivative by
 //         theta of R Exp(theta) into the first three columns of the block and zero into the fourth.
 // Out     marginal_covariance: rows and columns in the order of the blocks, three for a rotation,
-//         for residuals of sigma 1.
+//         for residuals of sigma 1. influence, where it is asked for: -d block / d residual, a row
+//         for each residual in the order they were added, loss applied.
 // Errors  marginal_covariance: false if some unknown is not observed at all.
 // Cost    marginal_covariance: one sparse Cholesky factor.
 // Source  Ceres 2.1; the normal equations are scaled to a unit diagonal.
@@ -49,7 +50,7 @@ class PriorCost final : public ceres::CostFunction {
 };
 
 bool marginal_covariance(ceres::Problem& problem, const std::vector<double*>& blocks,
-                         Eigen::MatrixXd& out);
+                         Eigen::MatrixXd& out, Eigen::MatrixXd* influence = nullptr);
 
 ceres::Solver::Options solver_options(int steps_max);
 

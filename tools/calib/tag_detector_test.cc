@@ -7,7 +7,7 @@
 
 #include "core/math/so3.h"
 #include "modules/testing.h"
-#include "tools/calib/test_board.h"
+#include "tools/calib/board_camera.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -53,12 +53,12 @@ SE3 pose(const Target& target, const Vec3& theta, const Vec3& p_C) {
 
 TEST(tag_detector, finds_corners_through_a_fisheye_to_a_fraction_of_a_pixel) {
   const Target target = small_board();
-  const TestBoard board(target);
   const Camera camera = testing::lens(CameraModel::kKannalaBrandt);
+  const BoardCamera board(target, camera);
   const SE3 T_CT = pose(target, Vec3(0.25, -0.3, 0.5), Vec3(0.12, -0.05, 0.45));
   TagDetector detector(target);
   TagDetector::Dropped dropped;
-  const auto corners = detector.find(board.draw(camera, T_CT, {}, 1), dropped);
+  const auto corners = detector.find(board.draw({T_CT}, {}, 1), dropped);
   const Errors e = errors_of(corners, camera, target, T_CT);
   std::printf("%zu corners, rms %.3f px, worst %.3f, mean %.3f %.3f\n", e.corners, e.rms_px,
               e.worst_px, e.mean_px.x(), e.mean_px.y());
@@ -71,14 +71,14 @@ TEST(tag_detector, finds_corners_through_a_fisheye_to_a_fraction_of_a_pixel) {
 
 TEST(tag_detector, holds_up_in_blur_and_darkness) {
   const Target target = small_board();
-  const TestBoard board(target);
   const Camera camera = testing::lens(CameraModel::kKannalaBrandt);
+  const BoardCamera board(target, camera);
   const SE3 T_CT = pose(target, Vec3(-0.3, 0.3, -1.2), Vec3(0.2, 0.2, 0.4));
-  TestLight dusk;
+  BoardLight dusk;
   dusk.white = 40, dusk.black = 10, dusk.blur_px = 1, dusk.noise = 1;
   TagDetector detector(target);
   TagDetector::Dropped dropped;
-  const auto corners = detector.find(board.draw(camera, T_CT, dusk, 2), dropped);
+  const auto corners = detector.find(board.draw({T_CT}, dusk, 2), dropped);
   const Errors e = errors_of(corners, camera, target, T_CT);
   std::printf("%zu corners, rms %.3f px, worst %.3f\n", e.corners, e.rms_px, e.worst_px);
   EXPECT_GE(e.corners, 32u);
@@ -87,12 +87,12 @@ TEST(tag_detector, holds_up_in_blur_and_darkness) {
 
 TEST(tag_detector, takes_what_it_sees_of_a_board_that_the_rim_cuts) {
   const Target target = small_board();
-  const TestBoard board(target);
   const Camera camera = testing::lens(CameraModel::kPinholeRadtan);
+  const BoardCamera board(target, camera);
   const SE3 T_CT = pose(target, Vec3(0.1, 0.1, 0.2), Vec3(0.32, 0.05, 0.45));
   TagDetector detector(target);
   TagDetector::Dropped dropped;
-  const auto corners = detector.find(board.draw(camera, T_CT, {}, 4), dropped);
+  const auto corners = detector.find(board.draw({T_CT}, {}, 4), dropped);
   const Errors e = errors_of(corners, camera, target, T_CT);
   EXPECT_GE(e.corners, 20u);
   EXPECT_LT(e.corners, 64u);
@@ -102,9 +102,9 @@ TEST(tag_detector, takes_what_it_sees_of_a_board_that_the_rim_cuts) {
 
 TEST(tag_detector, drops_tags_that_are_there_twice_or_not_on_the_board) {
   const Target target = small_board();
-  const TestBoard board(target);
   const Camera camera = testing::lens(CameraModel::kKannalaBrandt);
-  const cv::Mat left = board.draw(camera, pose(target, Vec3(0, 0, 0.1), Vec3(-0.3, 0, 0.6)), {}, 3);
+  const BoardCamera board(target, camera);
+  const cv::Mat left = board.draw({pose(target, Vec3(0, 0, 0.1), Vec3(-0.3, 0, 0.6))}, {}, 3);
   cv::Mat both = left.clone();
   const int half = camera.width / 2;
   left(cv::Rect(0, 0, half, left.rows)).copyTo(both(cv::Rect(half, 0, half, left.rows)));

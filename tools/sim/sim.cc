@@ -12,6 +12,7 @@
 
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapping_params.h"
+#include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/sim/motion.h"
 #include "tools/sim/random.h"
@@ -62,17 +63,36 @@ using LongLong = long long;  // what %lld prints
 
 TimeNs stamp(double t_s) { return kBegin + from_seconds(t_s); }
 
+// On the cameras' clock.
+TimeNs frame_stamp(const Job& job, size_t frame) {
+  return stamp(job.frame_s[frame]) - job.device.calibration.camera_time_offset_ns;
+}
+
 std::string image_name(const Job& job, size_t frame) {
-  return std::to_string(stamp(job.frame_s[frame])) + "." + job.options.format;
+  return std::to_string(frame_stamp(job, frame)) + "." + job.options.format;
+}
+
+// One that was calibrated: its IMU has the errors that its calibration says, its cameras their
+// clock.
+Device calibrated_device(const std::string& path) {
+  InputLog log;
+  RigOptions how;
+  how.as_mounted = true;
+  Device out{"calibrated", read_rig(path, how, log).calibration, 30, {}};
+  if (out.calibration.cameras < 2) throw InputError("one camera alone", path, "give one of both");
+  Mat3 R_LC;  // the camera's right, down, forward in forward, left, up
+  R_LC << 0, 0, 1, -1, 0, 0, 0, -1, 0;
+  out.R_LB = R_LC * out.calibration.camera[0].T_BC.R.transpose();
+  return out;
 }
 
 Device make_device(const SimOptions& options) {
   const Device* const found = find_device(options.device);
-  if (!found) {
+  if (!found && !fs::is_regular_file(options.device)) {
     throw InputError("unknown device '" + options.device + "'", "--camera",
-                     "use euroc, ironsides, tumvi, t265 or oakd");
+                     "use euroc, ironsides, tumvi, t265, oakd or the file of a calibration");
   }
-  Device device = *found;
+  Device device = found ? *found : calibrated_device(options.device);
   if (options.rate_hz > 0) device.camera_rate_hz = options.rate_hz;
   ImuNoise& noise = device.calibration.imu;
   if (options.gyro_noise >= 0) noise.gyro_noise = options.gyro_noise;
@@ -167,13 +187,28 @@ void write_camera(const Job& job, int c) {
   sensor.print("distortion_model: %s\n", radtan ? "radial-tangential" : "equidistant");
   sensor.print("distortion_coefficients: [%.12g, %.12g, %.12g, %.12g]\n", camera.d[0], camera.d[1],
                camera.d[2], camera.d[3]);
+  const TimeNs offset = job.device.calibration.camera_time_offset_ns;
+  if (offset != 0) sensor.print("timeshift_cam_imu: %.9f\n", to_seconds(offset));
   Text list(folder + "/data.csv");
   list.print("#timestamp [ns],filename\n");
   for (size_t i = 0; i < job.frame_s.size(); ++i) {
-    list.print("%lld,%s\n", LongLong(stamp(job.frame_s[i])), image_name(job, i).c_str());
+    list.print("%lld,%s\n", LongLong(frame_stamp(job, i)), image_name(job, i).c_str());
   }
   sensor.finish();
   list.finish();
+}
+
+void write_intrinsics(Text& file, const ImuIntrinsics& imu) {
+  const auto list = [&file](const char* key, const double* values, int count) {
+    file.print("%s: [", key);
+    for (int i = 0; i < count; ++i) file.print(i + 1 < count ? "%.12g, " : "%.12g]\n", values[i]);
+  };
+  if (!imu.given()) return;
+  const Mat3 gyro = imu.gyro.transpose(), accel = imu.accel.transpose();  // by rows
+  list("gyroscope_matrix", gyro.data(), 9);
+  list("gyroscope_bias", imu.b_g.data(), 3);
+  list("accelerometer_matrix", accel.data(), 9);
+  list("accelerometer_bias", imu.b_a.data(), 3);
 }
 
 void write_imu(const Job& job) {
@@ -195,6 +230,8 @@ void write_imu(const Job& job) {
   sensor.print("gyroscope_random_walk: %.6g\n", density(told.gyro_walk, 1e-6));
   sensor.print("accelerometer_noise_density: %.6g\n", density(told.accel_noise, 1e-4));
   sensor.print("accelerometer_random_walk: %.6g\n", density(told.accel_walk, 1e-5));
+  const ImuIntrinsics& errors = job.device.calibration.imu_intrinsics;
+  write_intrinsics(sensor, errors);
   Text samples(mav0 + "/imu0/data.csv");
   samples.print("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],");
   samples.print("a_RS_S_y,a_RS_S_z\n");
@@ -207,8 +244,11 @@ void write_imu(const Job& job) {
       file.print(",%.9f,%.9f,%.9f", v.x(), v.y(), v.z());
     };
     samples.print("%lld", LongLong(imu.sample.t));
-    triple(samples, imu.sample.w_B);
-    triple(samples, imu.sample.f_B);
+    // Zeros of either sign are written as they are.
+    const Vec3 w_B = errors.gyro * imu.sample.w_B + errors.b_g;
+    const Vec3 f_B = errors.accel * imu.sample.f_B + errors.b_a;
+    triple(samples, errors.given() ? w_B : imu.sample.w_B);
+    triple(samples, errors.given() ? f_B : imu.sample.f_B);
     samples.print("\n");
     const Vec4& q = imu.truth.q_WB;
     truth.print("%lld", LongLong(imu.sample.t));
