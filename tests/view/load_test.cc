@@ -121,9 +121,10 @@ TEST(view, a_viewer_costs_the_device_little) {
     if (a.cpu < alone.cpu) alone = a;
     if (b.cpu < viewed.cpu) viewed = b;
   }
-  std::printf("CPU alone %.2f %% of a core, with a viewer %.2f %%: +%.2f; %llu datagrams in %.0f s\n",
-              100 * alone.cpu, 100 * viewed.cpu, 100 * (viewed.cpu - alone.cpu),
-              static_cast<unsigned long long>(viewed.sent), kSeconds);
+  std::printf(
+      "CPU alone %.2f %% of a core, with a viewer %.2f %%: +%.2f; %llu datagrams in %.0f s\n",
+      100 * alone.cpu, 100 * viewed.cpu, 100 * (viewed.cpu - alone.cpu),
+      static_cast<unsigned long long>(viewed.sent), kSeconds);
   EXPECT_EQ(alone.sent, 0u);
   EXPECT_GT(viewed.sent, 150 * kSeconds) << "the viewer got its poses";
   EXPECT_LT(viewed.cpu - alone.cpu, 0.05);

@@ -1,8 +1,7 @@
 // What    The page with messages in it that it shows instead of asking a server: one document that
 //         needs nothing else.
 // In      All that a scene holds.
-// Out     HTML. What other sites' pages could not do to it, nothing in the messages can: they are
-//         base64.
+// Out     HTML; the messages are base64, so that no name or text in them is read as a part of it.
 // Errors  InputError: the page is not built.
 // Cost    0.65 MB, and 4/3 of the messages.
 #pragma once

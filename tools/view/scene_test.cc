@@ -116,9 +116,9 @@ TEST(view_scene, jumps_epochs_and_the_map_are_events) {
   scene.pose(before);
   scene.pose(pose);
   const auto news = scene.news(2);
-  EXPECT_EQ(events_of(news), (std::vector<std::string>{"the pose jumped by 2.000 m: reset 1",
-                                                       "epoch 0 to 1",
-                                                       "localised in the loaded map"}));
+  EXPECT_EQ(events_of(news),
+            (std::vector<std::string>{"the pose jumped by 2.000 m: reset 1", "epoch 0 to 1",
+                                      "localised in the loaded map"}));
   EXPECT_EQ(header_of(*find(news, "state"))["in_map"], true);
   EXPECT_EQ(events_of(scene.all()).size(), 3U);
   pose = pose_at(2.1, 2);
