@@ -233,7 +233,7 @@ fetch: $(LINK_CLIENT) $(LOG_WRITER) $(VIEW_MODULES) $(VIEW_DRIVER) $(DEVICE)/rel
 CUTS ?= 200
 nightly: ## what takes too long for every day: clang-tidy of all, 200 power cuts, 10 minutes of all sensors
 	@$(MAKE) check people-test
-	@PIRVS_NIGHTLY=1 $(MAKE) test-system T=view.
+	@PIRVS_NIGHTLY=1 PIRVS_PICTURES=docs/pictures $(MAKE) test-system T=view.
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
 	@FAILURES=each $(MAKE) test-device T=versions_that_fail
 	@PIRVS_LOAD_SECONDS=600 $(MAKE) test-device T=device_load

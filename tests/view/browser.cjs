@@ -1,13 +1,16 @@
 // Looks at `pirvs view` with a browser, clicks, and writes what came of it as JSON on its last line:
-//   node browser.cjs PROGRAM replay|device|run SOURCE FOLDER [PICTURE]
-// FOLDER: of maps. PICTURE: beginning of names of PNGs to be taken. NODE_PATH: playwright-core.
+//   node browser.cjs PROGRAM replay|device|run|pictures SOURCE FOLDER
+// FOLDER: of maps. pictures: SOURCE starts in FOLDER/monday.map, FOLDER/run is a finished run of it,
+// and PNGs are left in FOLDER. NODE_PATH: playwright-core.
 const {spawn} = require('child_process');
 const dgram = require('dgram');
+const fs = require('fs');
 const http = require('http');
+const path = require('path');
 const {chromium} = require('playwright-core');
 const {Device} = require('./device.cjs');
 
-const [program, what, source, folder, picture] = process.argv.slice(2);
+const [program, what, source, folder] = process.argv.slice(2);
 const kBrowser = process.env.PIRVS_CHROMIUM || '/usr/bin/chromium';
 const sleep = (ms) => new Promise((done) => setTimeout(done, ms));
 const out = {errors: []};
@@ -44,10 +47,6 @@ async function until(page, what, condition, argument, timeout = 8000) {
   } catch (error) {
     throw new Error(`${what}: ${error.message.split('\n')[0]}`);
   }
-}
-
-async function shoot(page, name) {
-  if (picture) await page.screenshot({path: `${picture}-${name}.png`});
 }
 
 const statistics = (list) => {
@@ -137,7 +136,7 @@ async function sure(page, button) {
 async function commands(page) {
   await page.keyboard.press('m');
   out.answers = {};
-  const fill = async (name, value) => page.fill(`#commands [name=${name}]`, value);
+  const fill = async (name, value) => page.locator(`#commands [name=${name}]`).first().fill(value);
   await fill('x', '10');
   await fill('y', '-5');
   await fill('z', '2');
@@ -156,13 +155,21 @@ async function commands(page) {
   await fill('name', 'seen.bin');
   await page.click('#command-map-save');
   out.answers.save = await answer(page, 'map save seen.bin');
+  for (const word of ['set', 'get', 'remove']) {
+    await page.click('#command-node-' + word);
+    out.answers['node ' + word] = await answer(page, `node ${word} dock`);
+  }
   await sure(page, '#command-map-load');
   out.answers.load = await answer(page, 'map load seen.bin');
+  await until(page, 'points of the loaded map', () => pirvsView.view.earlierData.count > 50);
+  await until(page, 'a place of the loaded map', () => pirvsView.state.in_map
+      && document.getElementById('map').textContent === 'localised in map');
   await sure(page, '#command-reset');
   out.answers.reset = await answer(page, 'reset');
   await page.keyboard.press('e');
   await until(page, 'the event of the reset',
               () => document.getElementById('events').textContent.includes('reset by command'));
+  await until(page, 'the map that was forgotten', () => document.getElementById('map').hidden);
   await page.keyboard.press('n');
   await until(page, 'counters', () => document.querySelectorAll('#counter-table tr').length > 5);
   await page.fill('#filter', 'keyframes');
@@ -190,51 +197,54 @@ function foreign(address, origin, host) {
   });
 }
 
+// Begun twice, since a recording ends: a program that is killed after its commands, and the one that
+// comes in its place, which is looked at. Each click waits for the next pictures.
 async function replay(page) {
-  const {child, address} = await start([source, '--port', '0', '--files', folder]);
+  const first = await start([source, '--port', '0', '--files', folder]);
   out.empty_hz = await emptyPage(page);
-  await page.goto(address);
+  await page.goto(first.address);
   await until(page, 'a pose', () => pirvsView.state !== null, null, 15000);
-  await until(page, 'images', () => pirvsView.images.shown > 2);
-  await sleep(2500);  // until the page has found its size
+  await commands(page);
+  const address = new URL(first.address);
+  const second = await reconnect(page, first.child, address.port);
+  await sleep(3000);  // until the page has found its size
   out.measured = await measure(page, 4);
+  await lookAtAll(page);
+  out.foreign = await foreign(first.address, 'http://evil.example');
+  out.rebound = await foreign(first.address, 'http://evil.example', 'evil.example');
+  out.own = await foreign(first.address, address.origin);
+  await page.keyboard.press('m');
+  await sure(page, '#command-stop');
+  await until(page, 'the end', () => pirvsView.source.state === 'ended');
+  second.kill('SIGTERM');
+  await ended(second);
+  out.exit_status = second.exitCode;
+}
+
+async function lookAtAll(page) {
   out.map = await page.evaluate(() => ({
     points: pirvsView.view.pointAt.size, path: pirvsView.view.pathRows.length,
     keyframes: pirvsView.view.keyframeData.count / 16, health: pirvsView.state.health,
     source: document.getElementById('source').textContent}));
-  await shoot(page, 'dark');
   await layersAndViews(page);
-  await page.click('#theme');
-  await page.click('#fit');
-  await sleep(600);
-  await shoot(page, 'light');
   await page.click('#follow');
-  await commands(page);
   await page.click('#forget');
   await until(page, 'a cleared path', () => pirvsView.view.pathRows.length < 50);
-  out.foreign = await foreign(address, 'http://evil.example');
-  out.rebound = await foreign(address, 'http://evil.example', 'evil.example');
-  out.own = await foreign(address, new URL(address).origin);
-  await reconnect(page, child, address);
 }
 
 // The program is killed, and comes back.
-async function reconnect(page, child, address) {
+async function reconnect(page, child, port) {
   child.kill('SIGKILL');
   await ended(child);
   await until(page, 'a lost connection', () => !pirvsView.connected
       && document.getElementById('link').textContent === 'reconnecting');
+  const before = await page.evaluate(() => [pirvsView.stats.states, pirvsView.images.shown]);
   const begin = Date.now();
-  const again = await start([source, '--port', new URL(address).port, '--files', folder]);
-  await until(page, 'a new pose', () => pirvsView.connected && pirvsView.state !== null
-      && pirvsView.stats.states > 0, null, 15000);
+  const again = await start([source, '--port', port, '--files', folder]);
+  await until(page, 'new poses and images', ([states, images]) => pirvsView.connected
+      && pirvsView.stats.states > states && pirvsView.images.shown > images, before, 15000);
   out.reconnect_ms = Date.now() - begin;
-  await page.keyboard.press('m');
-  await sure(page, '#command-stop');
-  await until(page, 'the end', () => pirvsView.source.state === 'ended');
-  again.child.kill('SIGTERM');
-  await ended(again.child);
-  out.exit_status = again.child.exitCode;
+  return again.child;
 }
 
 // ---- a device -----------------------------------------------------------------------------------
@@ -249,10 +259,21 @@ function freePort() {
   });
 }
 
+function startSerial() {
+  const child = spawn('/usr/bin/python3', [path.join(__dirname, 'serial_device.py')],
+                      {stdio: ['pipe', 'pipe', 'inherit']});
+  children.push(child);
+  return new Promise((done) => {
+    child.stdout.once('data', (text) => done({child, tty: String(text).trim()}));
+  });
+}
+
 async function device(page) {
   const port = await freePort();
   let far = new Device(port);
-  const {address} = await start([`udp:127.0.0.1:${port}`, '--port', '0']);
+  const serial = await startSerial();
+  const {address} = await start(
+      [`udp:127.0.0.1:${port}`, '--serial', serial.tty, '--port', '0']);
   out.empty_hz = await emptyPage(page);
   await page.goto(address);
   await until(page, 'a pose', () => pirvsView.state !== null);
@@ -261,7 +282,19 @@ async function device(page) {
   out.measured = await measure(page, 2);
   out.radius = await page.evaluate(() => Math.hypot(pirvsView.state.p[0], pirvsView.state.p[1]));
   out.confidence = await page.evaluate(() => pirvsView.state.confidence);
-  await shoot(page, 'device');
+  out.in_map = await page.textContent('#map');
+  out.load = await page.textContent('#load');
+  await until(page, 'a jump', () => document.getElementById('events').textContent.includes(
+      'the pose jumped by 0.250 m: reset 1'));
+  await page.keyboard.press('m');
+  await page.click('#command-record-start');
+  out.answers = {record: await answer(page, 'record start')};
+  await sure(page, '#command-reset');
+  out.answers.reset = await answer(page, 'reset');
+  serial.child.stdin.end();
+  await ended(serial.child);
+  await page.click('#command-record-stop');
+  out.answers.gone = await answer(page, 'record stop');
   far.close();
   await until(page, 'a device that went', () => pirvsView.source.state === 'waiting');
   far = new Device(port);
@@ -277,9 +310,27 @@ async function device(page) {
 async function run(page) {
   const {address} = await start([source, '--port', '0', '--earlier-map', source + '/map.ply']);
   await page.goto(address);
+  await lookAtRun(page, out);
+  const saved = source + '/saved.html';
+  const saver = spawn(program, ['view', source, '--save', saved], {stdio: 'inherit'});
+  await ended(saver);
+  out.saver_status = saver.exitCode;
+  for (const name of ['saved', 'report']) {
+    await page.goto('file://' + path.resolve(`${source}/${name}.html`));
+    const element = name === 'report' && await page.$('#viewer');
+    const shown = element ? await element.contentFrame() : page;
+    out[name] = {};
+    await lookAtRun(shown, out[name]);
+  }
+  out.cursors = await page.$$eval('line.cursor', (lines) => lines.filter(
+      (line) => line.style.display !== 'none' && line.hasAttribute('x1')).length);
+}
+
+// A page or a frame of one.
+async function lookAtRun(page, out) {
   await until(page, 'the run', () => pirvsView.player.count > 0 && pirvsView.state !== null);
-  await until(page, 'the map', () => pirvsView.view.pointAt.size > 0
-      && pirvsView.view.earlierData.count > 0);
+  await until(page, 'the map', () => pirvsView.view.pointAt.size > 0);
+  out.earlier = await page.evaluate(() => pirvsView.view.earlierData.count);
   out.rows = await page.evaluate(() => pirvsView.player.count);
   const p = () => page.evaluate(() => pirvsView.state.p.join());
   const last = await p();
@@ -290,10 +341,9 @@ async function run(page) {
     slider.dispatchEvent(new Event('input'));
   });
   await sleep(300);
-  await shoot(page, 'run');
   const middle = await p();
   out.slider_moves = last !== middle;
-  await page.keyboard.press('ArrowRight');
+  await page.press('#slider', 'ArrowRight');
   out.key_moves = middle !== await p();
   await page.click('#play');
   await sleep(700);
@@ -301,11 +351,65 @@ async function run(page) {
   out.plays = await page.evaluate(() => pirvsView.player.index) > out.rows / 2 + 5;
 }
 
+// ---- pictures of the docs -----------------------------------------------------------------------
+
+// As a screen of many pixels draws it, and in few colours, for a small file.
+async function take(page, name) {
+  await page.evaluate(() => {
+    pirvsView.view.ratioMax = 2;
+    pirvsView.view.setRatio(2);
+  });
+  await page.evaluate(() => new Promise(requestAnimationFrame));
+  const png = await page.screenshot();
+  const small = await page.evaluate(async (base64) => {
+    const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
+    const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
+    const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
+    const g = canvas.getContext('2d');
+    g.drawImage(bitmap, 0, 0);
+    const image = g.getImageData(0, 0, bitmap.width, bitmap.height);
+    image.data.forEach((v, i) => { image.data[i] = i % 4 === 3 ? 255 : Math.min(255, (v + 4) & ~7); });
+    g.putImageData(image, 0, 0);
+    const blob = await canvas.convertToBlob({type: 'image/png'});
+    const url = await new Promise((done) => {
+      const reader = new FileReader();
+      reader.onload = () => done(reader.result);
+      reader.readAsDataURL(blob);
+    });
+    return url.split(',')[1];
+  }, png.toString('base64'));
+  fs.writeFileSync(`${folder}/${name}.png`, Buffer.from(small, 'base64'));
+}
+
+async function pictures(page) {
+  const live = await start([source, '--load-map', `${folder}/monday.map`, '--port', '0']);
+  await page.goto(live.address);
+  await until(page, 'a pose in the map', () => pirvsView.state && pirvsView.state.in_map, null,
+              20000);
+  await until(page, 'some path', () => pirvsView.view.pathRows.length > 600, null, 25000);
+  await page.click('#fit');
+  await take(page, 'view-dark');
+  await page.click('#theme');
+  await page.keyboard.press('m');
+  await page.click('#follow');
+  await take(page, 'view-light');
+  live.child.kill('SIGKILL');
+  await ended(live.child);
+  const finished = await start([`${folder}/run`, '--port', '0']);
+  await page.goto(finished.address);
+  await until(page, 'the run', () => pirvsView.player.count > 0 && pirvsView.state !== null);
+  await page.click('#theme');
+  await page.focus('#slider');
+  for (let i = 0; i < 3; ++i) await page.keyboard.press('Shift+ArrowLeft');
+  await sleep(500);
+  await take(page, 'view-run');
+}
+
 async function main() {
   const browser = await chromium.launch({
     executablePath: kBrowser,
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader',
-           '--enable-unsafe-swiftshader', '--ignore-gpu-blocklist']});
+    // WebGL by the processor, and by it alone: the page itself drawn by way of GL is 8 times slower.
+    args: ['--no-sandbox', '--enable-unsafe-swiftshader']});
   try {
     const page = await browser.newPage({viewport: {width: 1280, height: 760}, colorScheme: 'dark'});
     page.setDefaultTimeout(8000);
@@ -315,7 +419,7 @@ async function main() {
         out.errors.push(message.text());
       }
     });
-    await {replay, device, run}[what](page);
+    await {replay, device, run, pictures}[what](page);
   } finally {
     await browser.close();
     for (const child of children) child.kill('SIGKILL');

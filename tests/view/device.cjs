@@ -3,7 +3,7 @@
 const dgram = require('dgram');
 
 const kHeader = 16, kPose = 1, kCounters = 3, kPoints = 4, kClock = 7, kSubscribe = 32, kAsk = 33;
-const kRate_hz = 200;
+const kRate_hz = 200, kInMap = 2;
 
 function now() { return process.hrtime.bigint(); }
 
@@ -14,7 +14,7 @@ class Device {
     this.socket = dgram.createSocket('udp4');
     this.socket.on('message', (bytes, from) => this.take(bytes, from));
     this.socket.bind(port, '127.0.0.1');
-    this.ticks = 0;
+    this.ticks = this.cpu_ms = 0;
     this.timer = setInterval(() => this.tick(), 1000 / kRate_hz);
   }
 
@@ -52,16 +52,18 @@ class Device {
     const out = this.datagram(kPose, 24 + 24 + 40 + 21 * 4 + 6 * 4 + 4 + 4 + 2 + 2, this.sequence++);
     let at = kHeader;
     for (let i = 0; i < 3; ++i) at = out.writeBigInt64LE(t, at);
-    for (const p of [Math.cos(angle), Math.sin(angle), 1]) at = out.writeDoubleLE(p, at);
-    const floats = [0, 0, Math.sin(angle / 2), Math.cos(angle / 2), 0, 0, 0, 0, 0, 0];
+    const up = this.ticks < 1200 ? 1 : 1.25;
+    for (const p of [Math.cos(angle), Math.sin(angle), up]) at = out.writeDoubleLE(p, at);
+    const floats = [0, 0, Math.sin(angle / 2), Math.cos(angle / 2)];
+    floats.push(-Math.sin(angle), Math.cos(angle), 0, 0, 0, 1);
     for (let i = 0; i < 6; ++i) for (let j = i; j < 6; ++j) floats.push(i === j ? 1e-4 : 0);
     for (let i = 0; i < 3; ++i) for (let j = i; j < 3; ++j) floats.push(i === j ? 1e-4 : 0);
     floats.push(0.75);
     for (const value of floats) at = out.writeFloatLE(value, at);
-    at = out.writeUInt32LE(0, at);
-    at = out.writeUInt16LE(1, at);
-    at = out.writeUInt8(1, at);
-    out.writeUInt8(0, at);
+    at = out.writeUInt32LE(up > 1 ? 1 : 0, at);  // resets
+    at = out.writeUInt16LE(1, at);               // epoch
+    at = out.writeUInt8(1, at);                  // tracking
+    out.writeUInt8(kInMap, at);
     return out;
   }
 
@@ -77,7 +79,9 @@ class Device {
   }
 
   counters() {
-    const text = Buffer.from('frames 77\nstarts 1\n');
+    this.cpu_ms += 150;
+    const text = Buffer.from(`frames 77\nstarts 1\nsystem.cpu_ms ${this.cpu_ms}\n`
+        + 'system.temperature_mC 48500\n');
     const out = this.datagram(kCounters, text.length, this.sequence++);
     text.copy(out, kHeader);
     return out;

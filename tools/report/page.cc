@@ -76,6 +76,7 @@ tr.sum td{font-weight:650}td.paper,th.paper{color:var(--soft)}
 .columns div{display:flex;justify-content:space-between;gap:10px;padding:3px 0;break-inside:avoid;
 border-bottom:1px solid var(--grid);font-variant-numeric:tabular-nums}
 .columns .zero{color:var(--soft);opacity:.7}
+#viewer{display:block;width:100%;height:660px;border:1px solid var(--line);border-radius:12px}
 .bar{height:8px;border-radius:4px;background:var(--accent);min-width:2px}
 )css";
 
@@ -116,6 +117,13 @@ tip.innerHTML=`<div>t = ${t.toFixed(2)} s</div>`+rows.join('');tip.style.display
 const w=tip.offsetWidth;
 tip.style.left=(e.clientX+16+w>innerWidth?e.clientX-16-w:e.clientX+16)+'px';
 tip.style.top=(e.clientY+14)+'px'});f.svg.addEventListener('pointerleave',hide)}
+const viewer=document.getElementById('viewer');
+if(viewer){addEventListener('message',e=>{
+if(e.source==viewer.contentWindow&&e.data.pirvsTime!==undefined)
+show(e.data.pirvsTime-viewer.dataset.t0)});
+const tell=()=>viewer.contentWindow.postMessage({pirvsTheme:root.dataset.theme},'*');
+viewer.onload=()=>{if(root.dataset.theme)tell()};
+document.getElementById('theme').addEventListener('click',tell)}
 function hide(){tip.style.display='none';for(const f of figs)f.cursor.style.display='none'}
 )js";
 

@@ -297,6 +297,16 @@ std::string memory_section(const Source& s) {
   return out;
 }
 
+// ---- in 3-D -------------------------------------------------------------------------------------
+
+// Its slider moves the line in all figures (page.cc).
+std::string viewer_section(const Source& s, const std::string& viewer) {
+  if (viewer.empty()) return "";
+  return heading("In space and time") +
+         format("<iframe id=viewer title='the run in 3-D' data-t0='%.6f' ", to_seconds(s.t0)) +
+         "srcdoc='" + html_escape(viewer) + "'></iframe>\n";
+}
+
 // ---- head ---------------------------------------------------------------------------------------
 
 std::string tile(const std::string& value, const char* unit, const std::string& what) {
@@ -336,12 +346,14 @@ std::string head(const RunInfo& info, const RunResult& r) {
 }  // namespace
 
 std::string make_report(const RunInfo& info, const Recording& recording, const RunLog& log,
-                        const RunResult& result, const std::vector<Count>& player_rejected) {
+                        const RunResult& result, const std::vector<Count>& player_rejected,
+                        const std::string& viewer) {
   Source source{recording, log, result, recording.frames.front().t, recording.duration_s(), {}};
   source.health = health_spans(source);
   std::vector<Count> input = recording.rejected;
   input.insert(input.end(), player_rejected.begin(), player_rejected.end());
-  const std::string body = head(info, result) + trajectory_section(source) + gnss_section(source) +
+  const std::string body = head(info, result) + viewer_section(source, viewer) +
+                           trajectory_section(source) + gnss_section(source) +
                            error_section(source) + timing_section(source) + state_section(source) +
                            health_section(source) + heading("Counters") +
                            counter_list(log.counters) + heading("Input rejected by the reader") +

@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kPart = ".part";
 constexpr const char* kProbe = "probe";
 
 Json statistics_json(const Statistics& s) {

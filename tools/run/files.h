@@ -25,6 +25,7 @@ struct RunInfo {
 
 class OutputFolder {
  public:
+  static constexpr const char* kPart = ".part";  // of a name that is written, not yet given
   // Fails at once where nothing could be written at the end, where another run writes, and, unless
   // forced, where results are already.
   explicit OutputFolder(const std::string& folder, bool force = false);

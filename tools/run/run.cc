@@ -14,6 +14,7 @@
 #include "tools/cli/command.h"
 #include "tools/cli/command_line.h"
 #include "tools/cli/progress.h"
+#include "tools/cli/stop.h"
 #include "tools/convert/writers.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/recording_options.h"
@@ -29,7 +30,9 @@
 #include "tools/run/run_mcap.h"
 #include "tools/run/run_viewed.h"
 #include "tools/run/trace_file.h"
+#include "tools/view/recorded_page.h"
 #include "tools/view/replay_view.h"
+#include "tools/view/run_view.h"
 
 namespace pirvs::tools {
 namespace {
@@ -52,16 +55,18 @@ struct Options {
   std::string mavlink;
   std::vector<std::string> mavlink_set;
   bool shown = false;
+  std::string files = ".";  // folder of `map save` and `map load`, without --record
   ViewOptions shown_at;
 };
 
 App app;  // static memory, as on the device
 
-// The signal that asked for an end, or 0. The second one ends at once.
+// The signal that asked for an end, or 0. The second one ends at once. Whoever waits after the run
+// has to know as well: it may come when the run has just ended.
 volatile std::sig_atomic_t stopped_by = 0;
 
 void stop_by_hand(int signal) {
-  stopped_by = signal;
+  stopped_by = stop_wanted = signal;
   std::signal(signal, SIG_DFL);
 }
 
@@ -148,11 +153,23 @@ int tell_end(const Recording& recording, const RunResult& result) {
   return result.exit_status();
 }
 
+// As a page; empty where that is not built, or there is no pose to show.
+std::string viewer_of(const std::string& folder) {
+  try {
+    ViewScene scene;
+    show_run(scene, folder, OutputFolder::kPart);
+    return recorded_page(scene.all());
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
 void write_results(OutputFolder& out, const Options& options, const RunInfo& info,
                    const Recording& recording, const RunLog& log, const RunResult& result,
                    const std::vector<Count>& rejected) {
   write_run_files(out, info, recording, log, result, rejected);
-  out.write("report.html", make_report(info, recording, log, result, rejected));
+  const std::string viewer = viewer_of(options.out);
+  out.write("report.html", make_report(info, recording, log, result, rejected, viewer));
   if (options.trace) out.write("trace.json", trace_json());
   if (options.mcap) out.write("run.mcap", run_mcap(recording, log, result));
   out.commit();
@@ -186,7 +203,9 @@ int run(const Options& options, const std::string& command, View* view) {
     log.listeners.push_back(&*robot);
   }
   std::optional<ReplayView> shown;
-  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording));
+  if (view != nullptr)
+    log.listeners.push_back(
+        &shown.emplace(*view, recording, options.record.empty() ? options.files : recorded_to));
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -205,6 +224,7 @@ int run(const Options& options, const std::string& command, View* view) {
     load_map(options.load_map);
     if (robot) robot->open(app, recording.calibration.imu);
     if (shown) shown->open(app);
+    if (shown && !options.load_map.empty()) shown->show_map_later(options.load_map);
     app.replay_inbox(options.real_time ? feed.others() : feed.inbox());
     if (!options.real_time && options.mapping_lag < 0) app.replay_maps(feed.maps());
     if (!options.record.empty() && app.record() != Status::kOk) {
@@ -333,7 +353,9 @@ int run_viewed(View& view, const std::string& sequence, const ViewedRun& how) {
   options.real_time = true;
   options.cores = how.cores;
   options.set = how.set;
-  if (!how.files.empty()) bsp::set_storage_directory(how.files.c_str());
+  options.load_map = how.load_map;
+  if (!how.files.empty()) options.files = how.files;
+  bsp::set_storage_directory(options.files.c_str());
   return run(options, "pirvs view", &view);
 }
 

@@ -17,6 +17,7 @@ struct ViewedRun {
   RecordingOptions recording;
   int cores = 2;
   std::string files;  // folder of `map save` and `map load`; empty: the working directory
+  std::string load_map;
   std::vector<std::string> set;
 };
 

@@ -108,6 +108,7 @@ void Session::take_pose(const stream::PoseMessage& pose, const Listener& listene
   out.resets = pose.resets;
   out.epoch = pose.epoch;
   out.dead_reckoning = pose.dead_reckoning;
+  out.in_map = pose.in_map;
   scene_.pose(out);
 }
 
@@ -180,8 +181,8 @@ bool listen_to(View& view, Listener& listener, Session& session,
 json source_of(const DeviceViewOptions& options) {
   json commands = json::array();
   if (!options.serial.empty()) {
-    commands = {"stop",     "reset",    "pose",         "parameter",
-                "map save", "map load", "record start", "record stop"};
+    commands = {"stop",         "reset",       "pose",     "parameter", "map save",   "map load",
+                "record start", "record stop", "node set", "node get",  "node remove"};
   }
   return {{"kind", "device"}, {"name", options.from}, {"commands", commands}};
 }
@@ -207,7 +208,7 @@ void view_device(View& view, const DeviceViewOptions& options,
       Listener listener(options.from, wanted_kinds());
       if (!listen_to(view, listener, *session, stop)) {
         session.emplace(scene);
-        scene.forget();
+        scene.begin(source_of(options));
         continue;
       }
       if (listener.ended()) {

@@ -2,33 +2,17 @@
 
 #include <filesystem>
 #include <fstream>
+#include <memory>
 #include <sstream>
 
 #include "tools/dataset/input_error.h"
+#include "tools/map/map_files.h"
+#include "tools/map/pool_items.h"
+#include "tools/view/recorded_page.h"
 
 namespace pirvs::tools {
 
 namespace fs = std::filesystem;
-
-namespace {
-
-std::string base64(const std::string& bytes) {
-  constexpr char kLetters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string out;
-  out.reserve(bytes.size() / 3 * 4 + 4);
-  for (size_t i = 0; i < bytes.size(); i += 3) {
-    uint32_t three = 0;
-    for (size_t k = 0; k < 3; ++k) {
-      three = three << 8 | (i + k < bytes.size() ? static_cast<uint8_t>(bytes[i + k]) : 0);
-    }
-    for (size_t k = 0; k < 4; ++k) {
-      out += i + k > bytes.size() ? '=' : kLetters[three >> (18 - 6 * k) & 63];
-    }
-  }
-  return out;
-}
-
-}  // namespace
 
 std::string page_file() {
   std::error_code error;
@@ -42,18 +26,7 @@ std::string page_file() {
 }
 
 void save_page(const std::vector<ViewMessage>& messages, const std::string& path) {
-  std::ostringstream text;
-  text << std::ifstream(page_file(), std::ios::binary).rdbuf();
-  std::string page = text.str();
-  std::string recorded = "<script>window.pirvsRecorded=[";
-  for (const ViewMessage& message : messages) {
-    recorded += std::string("{binary:") + (message.binary ? "true" : "false") + ",base64:\"" +
-                base64(*message.bytes) + "\"},\n";
-  }
-  recorded += "]</script>";
-  constexpr char kPlace[] = "<!--recorded-->";
-  const size_t at = page.find(kPlace);
-  if (at != std::string::npos) page.replace(at, sizeof kPlace - 1, recorded);
+  const std::string page = recorded_page(messages);
   std::ofstream file(path, std::ios::binary);
   file << page;
   file.close();
@@ -83,6 +56,18 @@ std::vector<Eigen::Vector3f> read_ply(const std::string& path) {
     }
     out.push_back(p);
   }
+  return out;
+}
+
+std::vector<Eigen::Vector3f> read_points(const std::string& path) {
+  std::string begin(3, ' ');
+  std::ifstream(path, std::ios::binary).read(begin.data(), 3);
+  if (begin == "ply") return read_ply(path);
+  const auto map = std::make_unique<Map>();
+  read_map_file(path, [&](const MapSource& source) { return load_map(source, *map); });
+  std::vector<Eigen::Vector3f> out;
+  for_each(map->landmarks,
+           [&](LandmarkId, const Landmark& point) { out.push_back(point.p_W.cast<float>()); });
   return out;
 }
 

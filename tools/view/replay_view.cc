@@ -9,6 +9,8 @@
 #include "core/math/so3.h"
 #include "core/math/trig.h"
 #include "modules/tracking/tracker.h"
+#include "tools/dataset/input_error.h"
+#include "tools/view/page.h"
 #include "tools/view/system_load.h"
 
 namespace pirvs::tools {
@@ -35,8 +37,8 @@ Vec3 sigmas(const Mat9& cov, int from) {
 
 }  // namespace
 
-ReplayView::ReplayView(View& view, const Recording& recording)
-    : view_(view), scene_(view.scene()), encoder_(view.scene()) {
+ReplayView::ReplayView(View& view, const Recording& recording, std::string files)
+    : view_(view), scene_(view.scene()), encoder_(view.scene()), files_(std::move(files)) {
   json cameras = json::array();
   for (int c = 0; c < recording.calibration.cameras; ++c) {
     cameras.push_back(camera_json(recording.calibration.camera[c]));
@@ -45,7 +47,9 @@ ReplayView::ReplayView(View& view, const Recording& recording)
                 {"name", recording.folder},
                 {"duration", view_number(recording.duration_s())},
                 {"cameras", cameras},
-                {"commands", {"stop", "reset", "pose", "parameter", "map save", "map load"}}});
+                {"commands",
+                 {"stop", "reset", "pose", "parameter", "map save", "map load", "node set",
+                  "node get", "node remove"}}});
 }
 
 ReplayView::~ReplayView() { close("the run was cut off"); }
@@ -68,7 +72,7 @@ void ReplayView::close(const std::string& why) {
   view_.obeyed_by(nullptr);
   scene_.source_is("ended", why);
   const std::lock_guard lock(asked_mutex_);
-  for (const auto& [ticket, id] : asked_) scene_.answer(id, "error the replay has ended");
+  for (const auto& [ticket, asked] : asked_) scene_.answer(asked.id, "error the replay has ended");
   asked_.clear();
 }
 
@@ -131,6 +135,7 @@ void ReplayView::pose(const Pose& pose) {
   out.reasons = pose.trust.reasons;
   out.epoch = pose.epoch;
   out.dead_reckoning = pose.dead_reckoning;
+  out.in_map = pose.in_map;
   scene_.pose(out);
 }
 
@@ -152,17 +157,30 @@ void ReplayView::fix(const GnssFix& fix, FixGate gate) {
 }
 
 void ReplayView::answer(const Answer& answer) {
-  std::string id;
+  Asked asked;
   {
     const std::lock_guard lock(asked_mutex_);
     const auto at = asked_.find(answer.ticket);
     if (at == asked_.end()) return;
-    id = at->second;
+    asked = at->second;
     asked_.erase(at);
   }
   Text<160> line;
   board::put_answer(line, answer);
-  scene_.answer(id, line.c_str());
+  scene_.answer(asked.id, line.c_str());
+  if (answer.status != Status::kOk) return;
+  if (answer.kind == CommandKind::kLoadMap) show_map_later(files_ + "/" + asked.text);
+  if (answer.kind == CommandKind::kReset) show_map_later("");
+}
+
+// Reading it takes longer than core 0 has.
+void ReplayView::show_map_later(const std::string& file) {
+  {
+    const std::lock_guard lock(mutex_);
+    map_ = file;
+    map_is_new_ = true;
+  }
+  wake_.notify_one();
 }
 
 // ---- from other threads ------------------------------------------------------------------------
@@ -175,7 +193,7 @@ void ReplayView::obey(const std::string& id, const std::string& line) {
       const std::lock_guard lock(asked_mutex_);  // before its answer can come
       const Result<uint32_t> ticket = app_->command(request.command);
       if (ticket.ok()) {
-        asked_[ticket.value()] = id;
+        asked_[ticket.value()] = {id, request.command.text};
         return;
       }
       board::put_answer(answer, {0, request.command.kind, ticket.status(), SE3{}});
@@ -193,11 +211,28 @@ void ReplayView::obey(const std::string& id, const std::string& line) {
   scene_.answer(id, answer.c_str());
 }
 
+void ReplayView::show_map(const std::string& file) {
+  try {
+    scene_.earlier_map(file.empty() ? std::vector<Eigen::Vector3f>() : read_points(file), true);
+  } catch (const InputError& error) {
+    scene_.earlier_map({}, true);  // it was replaced since
+  }
+}
+
 void ReplayView::count() {
   SystemLoad load;
   (void)load.measure();
   std::unique_lock lock(mutex_);
-  while (!wake_.wait_for(lock, std::chrono::seconds(1), [this] { return stop_; })) {
+  auto next = std::chrono::steady_clock::now() + std::chrono::seconds(1);
+  for (;;) {
+    const bool woken = wake_.wait_until(lock, next, [this] { return stop_ || map_is_new_; });
+    if (stop_) return;
+    if (woken) {
+      map_is_new_ = false;
+      show_map(map_);
+      continue;
+    }
+    next += std::chrono::seconds(1);
     NamedValue values[kCountersMax];
     const int count = app_->counters(values, kCountersMax);
     std::map<std::string, uint64_t> counters;

@@ -21,12 +21,15 @@ namespace pirvs::tools {
 
 class ReplayView : public RunListener {
  public:
-  ReplayView(View& view, const Recording& recording);
+  // `files`: the folder of `map load`.
+  ReplayView(View& view, const Recording& recording, std::string files);
   ~ReplayView() override;
   ReplayView(const ReplayView&) = delete;
   ReplayView& operator=(const ReplayView&) = delete;
 
   void open(App& app);
+  // A map that was loaded, or will be; "": none is. From any thread, after open().
+  void show_map_later(const std::string& file);
   void close(const std::string& why);
 
   void frame(const FrameReport& report) override;
@@ -40,6 +43,7 @@ class ReplayView : public RunListener {
  private:
   void obey(const std::string& id, const std::string& line);
   void count();  // a thread's
+  void show_map(const std::string& file);
 
   View& view_;
   ViewScene& scene_;
@@ -47,11 +51,16 @@ class ReplayView : public RunListener {
   App* app_ = nullptr;
   TimeNs points_t_ = 0;  // of the next ones, on this machine's clock
   bool has_fused_ = false;
+  struct Asked {
+    std::string id, text;  // the page's id, the command's text
+  };
   std::mutex asked_mutex_;
-  std::map<uint32_t, std::string> asked_;  // by ticket, the page's id
+  std::map<uint32_t, Asked> asked_;  // by ticket
   std::mutex mutex_;
   std::condition_variable wake_;
-  bool stop_ = false;
+  const std::string files_;
+  std::string map_;
+  bool stop_ = false, map_is_new_ = false;
   std::thread thread_;
 };
 

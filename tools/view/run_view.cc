@@ -30,6 +30,11 @@ size_t column(const std::string& name) {
   return static_cast<size_t>(at - std::begin(kColumns));
 }
 
+struct RunFiles {
+  std::string folder, suffix;
+  std::string operator()(const char* name) const { return folder + "/" + name + suffix; }
+};
+
 struct Row {
   double value[kColumnCount];
   Row() { std::fill(std::begin(value), std::end(value), kUnknown); }
@@ -136,17 +141,20 @@ Rows read_poses(const std::string& path) {
   return out;
 }
 
-// Frames with a pose stand in both, in order of time.
-void add_timing(const std::string& path, std::vector<Row>& rows) {
+// Frames with a pose stand in both, in order of time. The time of the first frame.
+double add_timing(const std::string& path, std::vector<Row>& rows) {
   Csv timing(path);
   size_t at = 0;
+  double begin = kUnknown;
   while (at < rows.size() && timing.next()) {
     const double t = timing.number("t_ns") * 1e-9;
+    if (std::isnan(begin)) begin = t;
     while (at < rows.size() && rows[at]["t"] < t - 1e-6) ++at;
     if (at < rows.size() && std::fabs(rows[at]["t"] - t) < 1e-6) {
       rows[at]["ms"] = timing.number("end_to_end_ms");
     }
   }
+  return begin;
 }
 
 json read_summary(const std::string& path) {
@@ -158,22 +166,24 @@ json read_summary(const std::string& path) {
   return summary;
 }
 
-void show_map(ViewScene& scene, const std::string& folder) {
-  if (fs::exists(folder + "/keyframes.tum") && fs::file_size(folder + "/keyframes.tum") > 0) {
-    for (const TrajectoryPose& pose : read_trajectory(folder + "/keyframes.tum").poses) {
+void show_map(ViewScene& scene, const RunFiles& files) {
+  if (fs::exists(files("keyframes.tum")) && fs::file_size(files("keyframes.tum")) > 0) {
+    for (const TrajectoryPose& pose : read_trajectory(files("keyframes.tum")).poses) {
       scene.keyframe(pose.p_WB, pose.q_WB);
     }
   }
-  if (!fs::exists(folder + "/map.ply")) return;
+  if (!fs::exists(files("map.ply"))) return;
   std::vector<ViewPoint> points;
-  for (const Eigen::Vector3f& p : read_ply(folder + "/map.ply")) {
+  for (const Eigen::Vector3f& p : read_ply(files("map.ply"))) {
     points.push_back({static_cast<uint32_t>(points.size()), p, 0});
   }
   scene.points(points);
 }
 
-void show_events(ViewScene& scene, Rows& states) {
+// localised_t: in the map that was loaded; NaN: never.
+void show_events(ViewScene& scene, Rows& states, double localised_t) {
   double health = -1, resets = 0;
+  bool localised = false;
   for (Row& row : states.rows) {
     if (std::isnan(row["health"])) return;
     const std::string now = states.health.list[static_cast<size_t>(row["health"])];
@@ -184,6 +194,10 @@ void show_events(ViewScene& scene, Rows& states) {
     const TimeNs t = from_seconds(row["t"]);
     if (row["health"] != health) scene.health(t, state, "from here on");
     if (row["resets"] > resets && health >= 0) scene.health(t, state, "the pose jumped");
+    if (!localised && row["t"] >= localised_t) {
+      scene.health(t, state, "localised in the loaded map");
+      localised = true;
+    }
     health = row["health"];
     resets = row["resets"];
   }
@@ -195,13 +209,17 @@ bool is_run_folder(const std::string& path) {
   return fs::exists(path + "/summary.json") && fs::exists(path + "/trajectory.tum");
 }
 
-void show_run(ViewScene& scene, const std::string& folder) {
-  const json summary = read_summary(folder + "/summary.json");
-  const bool has_states = fs::exists(folder + "/state.csv");
+void show_run(ViewScene& scene, const std::string& folder, const std::string& suffix) {
+  const RunFiles files = {folder, suffix};
+  const json summary = read_summary(files("summary.json"));
+  const bool has_states = fs::exists(files("state.csv"));
   Rows states =
-      has_states ? read_states(folder + "/state.csv") : read_poses(folder + "/trajectory.tum");
+      has_states ? read_states(files("state.csv")) : read_poses(files("trajectory.tum"));
   if (states.rows.empty()) throw InputError("holds no pose", folder, "look at its summary.json");
-  if (fs::exists(folder + "/timing.csv")) add_timing(folder + "/timing.csv", states.rows);
+  double begin_t = kUnknown;
+  if (fs::exists(files("timing.csv"))) {
+    begin_t = add_timing(files("timing.csv"), states.rows);
+  }
   scene.begin({{"kind", "run"}, {"name", folder}, {"commands", json::array()}});
   scene.source_is("ended", summary.value("status", ""));
   const json header = {{"type", "run"},
@@ -211,10 +229,12 @@ void show_run(ViewScene& scene, const std::string& folder) {
                        {"reasons_names", states.reasons.list},
                        {"summary", summary}};
   scene.lasting(view_message(header, states.rows.data(), states.rows.size() * sizeof(Row)));
-  show_map(scene, folder);
-  show_events(scene, states);
+  show_map(scene, files);
+  const json localised = summary.value("localised_after_s", json());
+  show_events(scene, states, localised.is_number() ? begin_t + localised.get<double>() : kUnknown);
   std::map<std::string, uint64_t> counters;
-  for (const auto& [name, value] : summary.value("counters", json::object()).items()) {
+  const json told = summary.value("counters", json::object());
+  for (const auto& [name, value] : told.items()) {
     if (value.is_number_unsigned()) counters[name] = value;
   }
   scene.counters(counters);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "core/math/so3.h"
 #include "tools/run/verdict.h"
@@ -57,6 +58,7 @@ void ViewScene::begin(const json& source) {
   lasting_.clear();
   pending_.clear();
   pending_.push_back(view_message(hello()));
+  if (!earlier_map_.empty()) pending_.push_back(earlier_message());
 }
 
 void ViewScene::source_is(const char* state, const std::string& what) {
@@ -86,13 +88,30 @@ void ViewScene::forget() {
   pending_.push_back(view_message({{"type", "forget"}}));
 }
 
-// Points that were told before may have another place by now.
-void ViewScene::grow_old() {
-  for (auto& [id, known] : points_) known.old = true;
-  pending_.push_back(view_message({{"type", "jump"},
-                                   {"t", view_time(pose_->t)},
-                                   {"resets", pose_->resets},
-                                   {"m", view_number(double(pose_->jump_m))}}));
+// Points that were told before may have another place by now. A device does not tell how far.
+void ViewScene::note_jump(const ViewPose& before, const ViewPose& now) {
+  if (before.resets != now.resets) {
+    for (auto& [id, known] : points_) known.old = true;
+    const Vec3 moved = before.v_WB * to_seconds(now.t - before.t);
+    const double far_m =
+        now.jump_m > 0 ? double(now.jump_m) : (now.p_WB - before.p_WB - moved).norm();
+    pending_.push_back(view_message({{"type", "jump"},
+                                     {"t", view_time(now.t)},
+                                     {"resets", now.resets},
+                                     {"m", view_number(far_m)}}));
+    char text[80];
+    std::snprintf(text, sizeof text, "the pose jumped by %.3f m: reset %u", far_m,
+                  static_cast<unsigned>(now.resets));
+    add_event(now.t, now.health, text);
+  }
+  if (before.epoch != now.epoch) {
+    add_event(now.t, now.health,
+              "epoch " + std::to_string(before.epoch) + " to " + std::to_string(now.epoch));
+  }
+  if (before.in_map != now.in_map) {
+    add_event(now.t, now.health,
+              now.in_map ? "localised in the loaded map" : "no longer in the loaded map");
+  }
 }
 
 void ViewScene::extend_path(const ViewPose& pose) {
@@ -113,11 +132,10 @@ void ViewScene::extend_path(const ViewPose& pose) {
 
 void ViewScene::pose(const ViewPose& pose) {
   const std::lock_guard lock(mutex_);
-  const bool jumped = pose_.has_value() && pose_->resets != pose.resets;
+  if (pose_.has_value()) note_jump(*pose_, pose);
   const bool frame_is_new = !pose_.has_value() || pose_->t_frame != pose.t_frame;
   pose_ = pose;
   pose_new_ = true;
-  if (jumped) grow_old();
   extend_path(pose);
   ++rates_.poses;
   if (frame_is_new) ++rates_.frames;
@@ -152,6 +170,10 @@ void ViewScene::add_keyframe(const Vec3& p_WB, const Vec4& q_xyzw) {
 
 void ViewScene::health(TimeNs t, HealthState state, const std::string& what) {
   const std::lock_guard lock(mutex_);
+  add_event(t, state, what);
+}
+
+void ViewScene::add_event(TimeNs t, HealthState state, const std::string& what) {
   events_.push_back(
       {{"type", "event"}, {"t", view_time(t)}, {"health", name(state)}, {"what", what}});
   if (events_.size() > kEventsMax) events_.pop_front();
@@ -233,9 +255,11 @@ void ViewScene::system(const json& load) {
   pending_.push_back(view_message(system_));
 }
 
-void ViewScene::earlier_map(const std::vector<Eigen::Vector3f>& points) {
+void ViewScene::earlier_map(const std::vector<Eigen::Vector3f>& points, bool loaded) {
   const std::lock_guard lock(mutex_);
   earlier_map_ = points;
+  earlier_is_loaded_ = loaded;
+  pending_.push_back(earlier_message());
 }
 
 void ViewScene::lasting(ViewMessage message) {
@@ -257,6 +281,14 @@ json ViewScene::hello() const {
           {"source", source_},
           {"fix_gates", gates},
           {"track_uses", uses}};
+}
+
+ViewMessage ViewScene::earlier_message() const {
+  const json header = {{"type", "earlier_map"},
+                       {"all", true},
+                       {"count", earlier_map_.size()},
+                       {"loaded", earlier_is_loaded_}};
+  return view_message(header, earlier_map_.data(), earlier_map_.size() * sizeof earlier_map_[0]);
 }
 
 ViewMessage ViewScene::state_message() const {
@@ -282,7 +314,8 @@ ViewMessage ViewScene::state_message() const {
                     {"reasons", reasons},
                     {"resets", pose.resets},
                     {"epoch", pose.epoch},
-                    {"dead_reckoning", pose.dead_reckoning}};
+                    {"dead_reckoning", pose.dead_reckoning},
+                    {"in_map", pose.in_map}};
   return view_message(out, Kind::kState);
 }
 
@@ -395,7 +428,7 @@ std::vector<ViewMessage> ViewScene::all() {
   const std::lock_guard lock(mutex_);
   std::vector<ViewMessage> out = {view_message(hello()), view_message(source_state_)};
   out.insert(out.end(), lasting_.begin(), lasting_.end());
-  if (!earlier_map_.empty()) out.push_back(rows_message("earlier_map", earlier_map_, 0, true));
+  if (!earlier_map_.empty()) out.push_back(earlier_message());
   for (const json& event : events_) out.push_back(view_message(event));
   if (!path_.empty()) out.push_back(rows_message("path", path_, 0, true));
   if (!keyframes_.empty()) out.push_back(rows_message("keyframes", keyframes_, 0, true));

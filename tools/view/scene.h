@@ -37,6 +37,7 @@ struct ViewPose {
   uint32_t resets = 0;
   uint16_t epoch = 0, reasons = 0;
   bool dead_reckoning = false;
+  bool in_map = false;  // the pose stands in the frame of a map that was loaded
 };
 
 // What tracking did with a frame; a device does not tell it.
@@ -90,8 +91,8 @@ class ViewScene {
   void fix(const Vec3& p_E, FixGate gate);
   void answer(const std::string& id, const std::string& text);
   void system(const nlohmann::json& load);
-  // Of an earlier run.
-  void earlier_map(const std::vector<Eigen::Vector3f>& points);
+  // Of an earlier run. `loaded`: W is its frame only while the pose is in_map.
+  void earlier_map(const std::vector<Eigen::Vector3f>& points, bool loaded = false);
   // A message of its own that every page gets: a whole run.
   void lasting(ViewMessage message);
   // Path, keyframes and points so far.
@@ -133,7 +134,9 @@ class ViewScene {
   void forget_locked();
   void add_keyframe(const Vec3& p_WB, const Vec4& q_xyzw);
   void extend_path(const ViewPose& pose);
-  void grow_old();
+  void note_jump(const ViewPose& before, const ViewPose& now);
+  void add_event(TimeNs t, HealthState state, const std::string& what);
+  ViewMessage earlier_message() const;
   ViewMessage state_message() const;
   ViewMessage frame_message() const;
   nlohmann::json hello() const;
@@ -158,6 +161,7 @@ class ViewScene {
   std::deque<uint32_t> points_order_;
   std::unordered_map<uint32_t, PointRow> points_new_;
   std::vector<Eigen::Vector3f> earlier_map_;
+  bool earlier_is_loaded_ = false;
   std::deque<nlohmann::json> events_;
   std::map<std::string, uint64_t> counters_;
   nlohmann::json system_;

@@ -89,6 +89,61 @@ TEST(view_scene, points_are_old_after_a_jump_until_they_are_seen_again) {
   }
 }
 
+std::vector<std::string> events_of(const std::vector<ViewMessage>& messages) {
+  std::vector<std::string> out;
+  for (const ViewMessage& message : messages) {
+    const json header = header_of(message);
+    if (header["type"] == "event") out.push_back(header["what"]);
+  }
+  return out;
+}
+
+// A device does not say how far it jumped: what its speed does not explain.
+TEST(view_scene, jumps_epochs_and_the_map_are_events) {
+  ViewScene scene;
+  ViewPose pose = pose_at(0);
+  scene.pose(pose);
+  EXPECT_EQ(events_of(scene.news(1)).size(), 0U);
+  pose = pose_at(2.005, 1);
+  pose.v_WB = Vec3(1, 0, 0);
+  pose.epoch = 1;
+  pose.in_map = true;
+  ViewPose before = pose;
+  before.t -= 5'000'000;
+  before.p_WB.x() = 0;
+  before.resets = before.epoch = 0;
+  before.in_map = false;
+  scene.pose(before);
+  scene.pose(pose);
+  const auto news = scene.news(2);
+  EXPECT_EQ(events_of(news),
+            (std::vector<std::string>{"the pose jumped by 2.000 m: reset 1", "epoch 0 to 1",
+                                      "localised in the loaded map"}));
+  EXPECT_EQ(header_of(*find(news, "state"))["in_map"], true);
+  EXPECT_EQ(events_of(scene.all()).size(), 3U);
+  pose = pose_at(2.1, 2);
+  pose.jump_m = 0.5F;
+  pose.epoch = 1;
+  pose.in_map = true;
+  scene.pose(pose);
+  EXPECT_EQ(events_of(scene.news(3)),
+            (std::vector<std::string>{"the pose jumped by 0.500 m: reset 2"}));
+}
+
+TEST(view_scene, another_source_keeps_the_earlier_map) {
+  ViewScene scene;
+  scene.earlier_map({{1, 2, 3}}, true);
+  EXPECT_EQ(header_of(*find(scene.news(1), "earlier_map"))["loaded"], true);
+  scene.begin({{"kind", "replay"}});
+  const auto news = scene.news(2);
+  EXPECT_EQ(header_of(news.front())["type"], "hello");
+  ASSERT_NE(find(news, "earlier_map"), nullptr);
+  EXPECT_EQ(array_of(*find(news, "earlier_map")).size(), 3U);
+  scene.earlier_map({}, true);
+  EXPECT_EQ(header_of(*find(scene.news(3), "earlier_map"))["count"], 0);
+  EXPECT_EQ(find(scene.all(), "earlier_map"), nullptr);
+}
+
 TEST(view_scene, what_lasts_is_bounded) {
   ViewScene scene;
   for (size_t i = 0; i < 3 * ViewScene::kPathMax; ++i) scene.pose(pose_at(double(i)));

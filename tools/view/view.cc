@@ -33,13 +33,13 @@ std::vector<CLI::Option*> add_view_options(CLI::App& app, ViewOptions& options) 
               ->check(CLI::ValidIPV4),
           app.add_flag("--open", options.open, "open the page in a browser"),
           app.add_option("--earlier-map", options.earlier_map,
-                         "map.ply of an earlier run, for the page")};
+                         "map.ply, or a saved map, of an earlier run, for the page")};
 }
 
 View::View(const ViewOptions& options)
     : server_(server_options(options), scene_,
               [this](const std::string& id, const std::string& line) { obey(id, line); }) {
-  if (!options.earlier_map.empty()) scene_.earlier_map(read_ply(options.earlier_map));
+  if (!options.earlier_map.empty()) scene_.earlier_map(read_points(options.earlier_map));
   std::fprintf(stderr, "pirvs: view: %s\n", server_.address().c_str());
   if (options.open) open_browser(server_.address());
 }

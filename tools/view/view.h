@@ -18,7 +18,7 @@ struct ViewOptions {
   std::string bind = "127.0.0.1";
   int port = 8123;
   bool open = false;
-  std::string earlier_map;  // PLY
+  std::string earlier_map;  // PLY, or a saved map
 };
 std::vector<CLI::Option*> add_view_options(CLI::App& app, ViewOptions& options);
 

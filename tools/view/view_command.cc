@@ -68,10 +68,11 @@ int view_recording(View& view, const Options& options) {
   do {
     status = run_viewed(view, options.source, options.run);
     if (status >= kExitSignal) return kExitDone;
-  } while (options.loop);
+  } while (options.loop && status == kExitDone);
   stop_by_signals();
-  if (!options.once) wait_for_end();
-  return status;
+  if (options.once) return status;
+  wait_for_end();
+  return kExitDone;
 }
 
 int save(const Options& options) {
@@ -79,7 +80,7 @@ int save(const Options& options) {
     throw InputError("not a finished run", options.source, "give a folder of `pirvs run --out`");
   }
   ViewScene scene;
-  if (!options.view.earlier_map.empty()) scene.earlier_map(read_ply(options.view.earlier_map));
+  if (!options.view.earlier_map.empty()) scene.earlier_map(read_points(options.view.earlier_map));
   show_run(scene, options.source);
   save_page(scene.all(), options.save);
   return kExitDone;
@@ -117,6 +118,9 @@ std::function<int()> declare(CLI::App& app) {
       ->check(CLI::Range(1, board::kCores));
   app.add_option("--files", o->run.files, "a recording: folder of `map save` and `map load`")
       ->check(CLI::ExistingDirectory);
+  app.add_option("--load-map", o->run.load_map,
+                 "FILE, a recording: a map that it starts in (docs/maps.md)")
+      ->check(CLI::ExistingFile);
   app.add_option("--set", o->run.set, "a recording: name=value, a parameter")
       ->allow_extra_args(false);
   add_recording_options(app, o->run.recording);

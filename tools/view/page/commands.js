@@ -36,13 +36,23 @@ export class Commands {
     this.parent.append(row);
     if (has('pose')) {
       this.parent.append(this.form('pose', 'Set pose', [
-        ['x', 'x m', '0'], ['y', 'y m', '0'], ['z', 'z m', '0'], ['yaw', 'yaw °', '0']]));
+        ['x', 'x m', '0'], ['y', 'y m', '0'], ['z', 'z m', '0'], ['yaw', 'yaw °', '0'],
+        ['sigma', '± m: a hint', '', 'optional']]));
     }
     if (has('map save')) {
       const form = this.form('map save', 'Save map', [['name', 'map.bin', 'map.bin', 'wide']]);
       if (has('map load')) {
         form.append(this.sureOf('Load map', 'gives up what runs for that map',
                                 () => 'map load ' + form.elements.name.value, 'map load'));
+      }
+      this.parent.append(form);
+    }
+    if (has('node set')) {
+      const form = this.form('node set', 'Name this place', [['name', 'dock', 'dock', 'wide']]);
+      for (const [line, label] of [['node get', 'Where is it?'], ['node remove', 'Forget it']]) {
+        if (!has(line)) continue;
+        form.append(element('button', {type: 'button', id: id(line), onclick: () => this.ask(
+            `${line} ${form.elements.name.value}`)}, label));
       }
       this.parent.append(form);
     }
@@ -94,13 +104,14 @@ export class Commands {
     const form = element('form', {autocomplete: 'off'});
     for (const [name, placeholder, value, size] of fields) {
       form.append(element('input', {name, placeholder, value, className: size || '',
-                                    'aria-label': placeholder, required: true}));
+                                    'aria-label': placeholder,
+                                    required: size !== 'optional'}));
     }
     form.append(element('button', {type: 'submit', id: id(line)}, label));
     form.onsubmit = (event) => {
       event.preventDefault();
       const words = fields.map(([name]) => form.elements[name].value.trim());
-      this.ask([line, ...words].join(' '));
+      this.ask([line, ...words].filter(Boolean).join(' '));
     };
     return form;
   }

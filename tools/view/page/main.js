@@ -5,6 +5,7 @@ import {Link, Recorded} from './link.js';
 import {Player} from './player.js';
 import {Plots} from './plots.js';
 import {View3d} from './scene.js';
+import {reasonWords} from './words.js';
 
 const $ = (id) => document.getElementById(id);
 const root = document.documentElement;
@@ -16,7 +17,7 @@ const kSlow_ms = 30, kFast_ms = 17.5;  // from picture to picture
 const kGood = {tracking: 'good', degraded: 'warn', lost: 'bad', initializing: 'wait'};
 const kLayers = [['path', 'Path', '--good'], ['points', 'Points', '--point'],
                  ['keyframes', 'Keyframes', '--accent'], ['gnss', 'GNSS', '--s2'],
-                 ['earlier', 'Earlier map', '--earlier'], ['grid', 'Grid', '--line']];
+                 ['earlier', 'Loaded map', '--earlier'], ['grid', 'Grid', '--line']];
 const kKeys = [
   ['F', 'follow the body'], ['T', 'from above'], ['H', 'fit all'], ['C', 'clear path and points'],
   ['1 … 6', 'layers'], ['E, N, M, S', 'events, counters, commands, system'], ['D', 'dark or light'],
@@ -27,8 +28,13 @@ const kKeys = [
 // ---- theme --------------------------------------------------------------------------------------
 
 const dark = matchMedia('(prefers-color-scheme: dark)');
+// A part of another page (report.html), which says whether it is dark, and is told the time shown.
+const embedded = window.parent !== window;
+if (embedded) root.dataset.embedded = '';
+let ofParent = null;
 function setTheme() {
-  root.dataset.theme = localStorage.getItem('theme') || (dark.matches ? 'dark' : 'light');
+  const chosen = embedded ? ofParent : localStorage.getItem('theme');
+  root.dataset.theme = chosen || (dark.matches ? 'dark' : 'light');
 }
 setTheme();
 
@@ -43,6 +49,11 @@ function recolour() {
   images.recolour();
 }
 dark.addEventListener('change', recolour);
+addEventListener('message', (event) => {
+  if (!embedded || event.source !== window.parent || !event.data.pirvsTheme) return;
+  ofParent = event.data.pirvsTheme;
+  recolour();
+});
 function switchTheme() {
   localStorage.setItem('theme', root.dataset.theme === 'dark' ? 'light' : 'dark');
   recolour();
@@ -53,6 +64,7 @@ function switchTheme() {
 let state = null, stateNew = false, stateAt_ms = 0, frame = null, page = {};
 let connected = false, source = {state: 'waiting', what: ''}, sampled_ms = 0;
 let fused = null, rates = null, system = null;
+let mapLoaded = false;  // by the source
 let begin_t = null;  // of the source's time: stamps may count from anywhere
 const stats = {drawn: 0, lag_ms: [], frame_ms: [], states: 0};
 
@@ -66,6 +78,7 @@ const player = new Player($('player'), (shown, index) => {
   state = shown;
   stateNew = true;
   const c = player.columns, at = (name) => c[name][index];
+  if (embedded) window.parent.postMessage({pirvsTime: at('t')}, '*');
   plots.setPlace(player.time(index), {
     Confidence: [at('confidence')],
     Sigma: [100 * at('sigma_p'), at('sigma_theta') * 180 / Math.PI],
@@ -103,7 +116,8 @@ function notice() {
 
 const handlers = {
   hello(message) {
-    state = frame = begin_t = fused = rates = system = deviceCpu = null;
+    state = frame = begin_t = fused = rates = system = deviceCpu = cpuBefore = null;
+    mapLoaded = false;
     const {kind, name, cameras = [], commands: known = []} = message.source;
     show('source', `${kind || ''} ${name || ''}`.trim());
     $('source').title = name || '';
@@ -141,13 +155,20 @@ const handlers = {
     numbers.forEach((_, i) => { ids.push(whole[6 * i]); olds.push(whole[6 * i + 5]); });
     view.addPoints(ids, numbers.map((row) => row.subarray(1, 4)), olds);
   },
-  earlier_map(message, array) { view.setEarlier(rows(array, 3)); },
+  earlier_map(message, array) {
+    view.setEarlier(rows(array, 3));
+    mapLoaded = message.loaded && message.count > 0;
+    showMap();
+  },
   fused(message, array) {
     view.addFused(rows(array, 4), message.all, message.T_WE);
     fused = message;
   },
   fixes(message, array) { view.addFixes(rows(array, 4), message.all); },
-  jump() { view.jump(); },
+  jump() {
+    view.jump();
+    plots.mark(clock());
+  },
   forget() { view.forget(); },
   image(message, array) { images.show(message, array); },
   event(message) { addEvent(message); },
@@ -156,14 +177,17 @@ const handlers = {
     showCounters(message.values);
   },
   rates(message) {
-    const median = (values) => (values ? values.median : null);
+    const told = (values) => (values ? values.median : null);
     plots.add('Rates', clock(), [message.poses_hz, message.frames_hz]);
-    plots.add('Latency', clock(), [median(message.imu_to_pose_ms), median(message.frame_to_pose_ms),
-                                   mean(stats.lag_ms.slice(-30))]);
+    plots.add('Latency', clock(), [told(message.imu_to_pose_ms), told(message.frame_to_pose_ms),
+                                   median(stats.lag_ms.slice(-60))]);
     rates = message;
   },
   page(message) { page = message; showSystem(); },
-  system(message) { system = message; },
+  system(message) {
+    system = message;
+    showLoad();
+  },
   run(message, array) {
     plots.clear();
     player.setRun(message, array);
@@ -189,8 +213,6 @@ const handlers = {
   },
 };
 
-
-
 function onLink(on) {
   connected = on;
   showLink();
@@ -203,6 +225,7 @@ const commands = new Commands($('commands'), link);
 // Seconds on this page, for what has no stamp of the source.
 function clock() { return performance.now() / 1000; }
 function mean(list) { return list.length ? list.reduce((a, b) => a + b, 0) / list.length : null; }
+function median(list) { return list.length ? [...list].sort((a, b) => a - b)[list.length >> 1] : null; }
 
 // ---- panels -------------------------------------------------------------------------------------
 
@@ -255,13 +278,37 @@ function table(element, body) {
   }));
 }
 
+const percent = (v) => (v === null || v === undefined ? '–' : (100 * v).toFixed(0) + ' %');
+
+// Of the device, if it tells; else of this program and computer.
+function showLoad() {
+  const milli = countersBefore['system.temperature_mC'];
+  const cpu = deviceCpu === null ? system && system.cpu : deviceCpu;
+  const degrees = milli !== undefined ? milli / 1000 : system && system.temperature;
+  const parts = [];
+  if (typeof cpu === 'number') parts.push(`CPU ${percent(cpu)}`);
+  if (typeof degrees === 'number') parts.push(`${degrees.toFixed(0)} °C`);
+  $('load').hidden = parts.length === 0;
+  $('load').title = deviceCpu === null ? 'of this program; 100 %: a core' : 'of the device; 100 %: a core';
+  show('load', parts.join(' · '));
+}
+
+function showMap() {
+  const inMap = Boolean(state && state.in_map);
+  $('map').hidden = !inMap && !mapLoaded;
+  setPill('map', inMap ? 'localised in map' : 'not localised yet', inMap ? 'good' : 'warn');
+  $('map').title = inMap ? 'the pose stands in the frame of the loaded map'
+    : 'the pose stands in a frame of its own until a place of the loaded map is seen';
+  view.setEarlierCertain(inMap || !mapLoaded);
+}
+
 function showSystem() {
   if ($('system').hidden) return;
-  const s = system || {}, percent = (v) => (v === null || v === undefined ? '–'
-    : (100 * v).toFixed(0) + ' %');
+  const s = system || {};
   const ms = (v) => (v ? `${v.median.toFixed(2)} / ${v.p99.toFixed(2)} / ${v.max.toFixed(1)} ms`
     : '–');
-  const lags = [...stats.lag_ms].sort((a, b) => a - b), at = (q) => lags[Math.floor(q * (lags.length - 1))];
+  const lags = [...stats.lag_ms].sort((a, b) => a - b);
+  const at = (q) => lags[Math.floor(q * (lags.length - 1))];
   const milli = countersBefore['system.temperature_mC'];
   table($('system-table'), [
     ['CPU of this program, 100 %: a core', percent(s.cpu)],
@@ -296,7 +343,7 @@ function euler([x, y, z, w]) {
 const readoutCells = [];
 function makeReadout() {
   const labels = [['', 'x', 'y', 'z'], ['place m'], ['± mm'], ['speed m/s'], ['roll pitch yaw °'],
-                  ['± °'], ['rate °/s']];
+                  ['± °'], ['rate °/s'], ['resets, epoch']];
   for (const label of labels) {
     const row = $('readout').insertRow(), cells = [];
     for (let i = 0; i < 4; ++i) {
@@ -311,7 +358,8 @@ function makeReadout() {
 function fill(row, values, digits) {
   readoutCells[row].forEach((cell, i) => {
     const v = values && values[i];
-    const text = v === null || v === undefined ? '–' : v.toFixed(digits);
+    const text = values && i >= values.length ? '' : v === null || v === undefined ? '–'
+      : v.toFixed(digits);
     if (cell.textContent !== text) cell.textContent = text;
   });
 }
@@ -324,6 +372,8 @@ function showState() {
   fill(4, euler(state.q), 2);
   fill(5, scaled(state.sigma_theta, d), 3);
   fill(6, scaled(state.w, d), 1);
+  fill(7, [state.resets, state.epoch], 0);
+  showMap();
   show('time', (state.t - (begin_t === null ? state.t : begin_t)).toFixed(2));
   const confidence = state.confidence;
   show('confidence', confidence === null ? '–' : confidence.toFixed(2));
@@ -337,7 +387,7 @@ function showState() {
     $('reasons').replaceChildren(...reasons.map((reason) => {
       const span = document.createElement('span');
       span.className = 'pill warn';
-      span.textContent = reason;
+      [span.textContent, span.title] = reasonWords(reason);
       return span;
     }));
   }
@@ -402,7 +452,7 @@ function picture(now) {
   counted_ms = now;
   countedDrawn = stats.drawn;
   const live = $('player').hidden && connected && source.state === 'connected';
-  const lag = live ? mean(stats.lag_ms.slice(-20)) : null;
+  const lag = live ? median(stats.lag_ms.slice(-20)) : null;
   show('lag', lag === null ? '–' : `${lag.toFixed(0)} ms`);
 }
 

@@ -7,8 +7,8 @@ export const kPlots = [
   {title: 'Confidence', range: [0, 1], lines: [['confidence', '', '--s1']]},
   {title: 'Sigma', lines: [['position', 'cm', '--s1'], ['attitude', '°', '--s2']]},
   {title: 'Rates', lines: [['poses', 'Hz', '--s1'], ['frames', 'Hz', '--s2']]},
-  {title: 'Latency', lines: [['IMU to pose', 'ms', '--s1'], ['exposure to pose', 'ms', '--s2'],
-                             ['to this page', 'ms', '--s3']]},
+  {title: 'Latency', lines: [['IMU to pose', 'ms', '--s1'], ['image to pose', 'ms', '--s2'],
+                             ['to page', 'ms', '--s3']]},
   {title: 'Frame', lines: [['CPU', 'ms', '--s1'], ['matches', '', '--s2', 'right']]},
 ];
 export const kRunPlots = ['Confidence', 'Sigma', 'Frame'];
@@ -21,6 +21,7 @@ class Plot {
   constructor(parent, spec) {
     this.spec = spec;
     this.data = [[], ...spec.lines.map(() => [])];
+    this.marks = [];  // where the pose jumped
     this.element = document.createElement('div');
     this.element.className = 'plot';
     const head = document.createElement('h3');
@@ -70,6 +71,11 @@ class Plot {
   }
 
   drawPlace(u) {
+    u.ctx.fillStyle = css('--bad');
+    for (const t of this.marks) {
+      const x = u.valToPos(t, 'x', true);
+      if (x >= u.bbox.left) u.ctx.fillRect(x, u.bbox.top, 1, u.bbox.height);
+    }
     if (this.place === undefined) return;
     const x = u.valToPos(this.place, 'x', true);
     u.ctx.fillStyle = css('--text');
@@ -83,6 +89,7 @@ class Plot {
     lines.forEach((line, i) => line.push(values[i] === undefined ? null : values[i]));
     while (times.length > 0 && times[0] < t - kWindow_s) {
       for (const list of this.data) list.shift();
+      while (this.marks[0] < times[0]) this.marks.shift();
     }
     this.say(values);
     this.changed = true;
@@ -99,6 +106,7 @@ class Plot {
   clear() {
     for (const list of this.data) list.length = 0;
     this.place = undefined;
+    this.marks = [];
     this.changed = true;
   }
 
@@ -118,6 +126,7 @@ export class Plots {
   }
   each(f) { Object.values(this.plots).forEach(f); }
   add(title, t, values) { this.plots[title].add(t, values); }
+  mark(t) { this.each((plot) => plot.marks.push(t)); }
   clear() { this.each((plot) => plot.clear()); }
   draw() { if (!document.hidden) this.each((plot) => plot.draw()); }
   recolour() { this.each((plot) => plot.make()); }

@@ -12,6 +12,14 @@ function colour(name) {
   return new Color(getComputedStyle(document.documentElement).getPropertyValue(name).trim());
 }
 
+// False where the processor draws: smooth edges would cost it a third of its pictures.
+function isQuick() {
+  const probe = document.createElement('canvas').getContext(
+      'webgl2', {failIfMajorPerformanceCaveat: true});
+  if (probe !== null) probe.getExtension('WEBGL_lose_context')?.loseContext();
+  return probe !== null;
+}
+
 // Floats that grow, as attributes of one geometry.
 class Growing {
   constructor(object, sizes) {
@@ -80,7 +88,7 @@ const kGeneric = {width: 752, height: 480, focal: [460, 460], p: [0, 0, 0], q: [
 export class View3d {
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({canvas, antialias: true});
+    this.renderer = new WebGLRenderer({canvas, antialias: isQuick()});
     this.ratio = this.ratioMax = Math.min(window.devicePixelRatio, 2);
     this.scene = new Scene();
     this.camera = new PerspectiveCamera(55, 1, 0.02, 2000);
@@ -109,6 +117,7 @@ export class View3d {
     this.pointAt = new Map();
     this.pointOld = [];
     this.earlier = points(2);
+    this.earlier.material.transparent = true;
     this.earlierData = new Growing(this.earlier, {position: 3, color: 3});
     this.keyframes = new LineSegments(new BufferGeometry(),
                                       new LineBasicMaterial({transparent: true, opacity: 0.55}));
@@ -281,6 +290,14 @@ export class View3d {
       this.colours.earlier.toArray(this.earlierData.array('color'), 3 * i);
     });
     this.earlierData.touch();
+    this.dirty = true;
+  }
+
+  // Before the pose is localised in it, W is another frame than that map's.
+  setEarlierCertain(certain) {
+    const opacity = certain ? 1 : 0.3;
+    if (this.earlier.material.opacity === opacity) return;
+    this.earlier.material.opacity = opacity;
     this.dirty = true;
   }
 
