@@ -85,4 +85,12 @@ $(BUILD)/prof/plugin.so: $(wildcard tools/prof/*.c tools/prof/*.h) | $(BUILD)/se
 	@gcc -O2 -Wall -Wextra -shared -fPIC -fvisibility=hidden $(filter %.c,$^) -o $@.$$$$ \
 	  && mv $@.$$$$ $@
 
+# Which version this is: the one object of a board that depends on the revision. VERSION= instead.
+REVISION := $(or $(VERSION),$(shell tools/setup/version))
+VERSION_OBJ := $(OUT)/version.o
+VERSION_TEXT = \#include "core/base/version.h"\nconst char pirvs::kVersion[] = "$(REVISION)";\n
+$(OUT)/version.cc: FORCE
+	@mkdir -p $(@D)
+	@printf '$(VERSION_TEXT)' | cmp -s - $@ || printf '$(VERSION_TEXT)' > $@
+
 include board/$(BOARD)/board.mk

@@ -12,7 +12,8 @@ HOST_ONLY := %_test.cc %_bench.cc %_emulator.cc bsp/drivers/emulated/%
 BARE_SRC := $(filter-out $(HOST_ONLY),$(call find_cc,$(BARE_FOLDERS))) \
   $(sort $(shell find $(BARE_FOLDERS) -name '*.S'))
 BARE_OBJ := $(call aarch64_objects,$(filter-out board/$(BOARD)/%,$(BARE_SRC))) \
-  $(patsubst %,$(OUT)/obj/%.o,$(basename $(filter board/$(BOARD)/%,$(BARE_SRC))))
+  $(patsubst %,$(OUT)/obj/%.o,$(basename $(filter board/$(BOARD)/%,$(BARE_SRC)))) \
+  $(VERSION_OBJ)
 
 # memset and memcpy themselves: no loop of theirs may become a call of them.
 $(BUILD)/aarch64/obj/core/base/bytes.o: AARCH64 += -fno-tree-loop-distribute-patterns
@@ -54,6 +55,9 @@ bench: $(OUT)/pirvs.bin $(BUILD)/prof/plugin.so ## single kernels against their 
 $(OUT)/obj/%.o: %.cc $(AARCH64_RULES) | $(BUILD)/setup.stamp
 	$(call compile_aarch64,$(BOARD),$(COMMON))
 $(OUT)/obj/%.o: %.S $(AARCH64_RULES) | $(BUILD)/setup.stamp
+	$(call compile_aarch64,$(BOARD),$(COMMON))
+
+$(VERSION_OBJ): $(OUT)/version.cc
 	$(call compile_aarch64,$(BOARD),$(COMMON))
 
 $(OUT)/sources.list: FORCE

@@ -37,8 +37,8 @@ BENCH_SRC := $(filter %_bench.cc,$(EVERYTHING))
 TEST_SRC := $(filter %_test.cc,$(ALL_BELOW_TOOLS) $(ALL_TOOLS)) \
   $(filter-out %/libfuzzer.cc,$(ALL_FUZZ))
 # Sanitizers bring a malloc of their own: nothing can be counted there.
-SYSTEM_SRC := $(filter-out $(BENCH_SRC) $(if $(SAN),tests/heap_guard.cc tests/memory_test.cc),\
-  $(ALL_SYSTEMS))
+SYSTEM_SRC := $(filter-out $(BENCH_SRC) $(if $(SAN),tests/heap_guard.cc tests/memory_test.cc \
+  tests/library_test.cc),$(ALL_SYSTEMS))
 LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
 TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
@@ -154,6 +154,7 @@ $(ROS2_READER): tests/ros2/reader.c $(IDL)/Messages.c
 
 ONE_BY_ONE := $(if $(filter test,$(MAKECMDGOALS)),test-unit)
 test-system: $(OUT_TESTED)/system_tests $(OUT)/pirvs $(LINK_CLIENT) $(LOG_WRITER) $(ROS2_READER) $(VIEW_PAGE) $(VIEW_DRIVER) $(ONE_BY_ONE) ## whole-system replays alone
+	@$(if $(SAN),,$(MAKE) -s BOARD=library all)
 	@mkdir -p $(BUILD)/test && rm -f $(BUILD)/test/system.json
 	PIRVS_BUILD=$(BUILD) $(SAN_OPTIONS) tests/suites $(OUT_TESTED)/system_tests \
 	  --json $(BUILD)/test/system.json $(FILTER_ARG)
@@ -233,6 +234,7 @@ fetch: $(LINK_CLIENT) $(LOG_WRITER) $(VIEW_MODULES) $(VIEW_DRIVER) $(DEVICE)/rel
 CUTS ?= 200
 nightly: ## what takes too long for every day: clang-tidy of all, 200 power cuts, 10 minutes of all sensors
 	@$(MAKE) check people-test
+	@$(MAKE) reproducible
 	@PIRVS_NIGHTLY=1 PIRVS_PICTURES=docs/pictures $(MAKE) test-system T=view.
 	@CUTS=$(CUTS) $(MAKE) test-device T=power_cuts
 	@FAILURES=each $(MAKE) test-device T=versions_that_fail
@@ -287,7 +289,7 @@ DEVICE_OBJ := $(call objects,$(OUT),$(DEVICE_SRC))
 # What replays and recordings need in both test programs.
 SYSTEM_SHARED := $(call objects,$(OUT),$(filter-out %_test.cc %/heap_guard.cc,$(ALL_SYSTEMS)))
 
-$(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ): KIND := $(BELOW_TOOLS)
+$(LIB_OBJ) $(LIB_OBJ_SAN) $(FUZZ_LIB_OBJ) $(VERSION_OBJ): KIND := $(BELOW_TOOLS)
 $(TOOL_OBJ) $(TOOL_OBJ_SAN) $(MAIN_OBJ) $(TEST_OBJ) $(SYSTEM_OBJ) $(BENCH_OBJ) $(FUZZ_TOOL_OBJ) \
   $(EMULATOR_OBJ) $(DEVICE_OBJ) $(SYSTEM_SHARED): KIND := $(TOOLS)
 $(IDL_USERS): KIND += -isystem $(IDL)
@@ -315,6 +317,9 @@ $(OUT_SAN)/obj/%.o: %.cc $(RULES) | $(BUILD)/setup.stamp
 $(OUT_FUZZ)/obj/%.o: %.cc $(RULES) | $(BUILD)/setup.stamp
 	$(call compile,$(FUZZER) -fsanitize=fuzzer-no-link$(comma)address$(comma)undefined)
 
+$(VERSION_OBJ): $(OUT)/version.cc
+	$(call compile,$(RELEASE))
+
 # The list changes only when a source comes or goes; then everything is linked again.
 $(BUILD)/sources.list: FORCE
 	@mkdir -p $(@D)
@@ -336,24 +341,27 @@ $(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Messages.o $(BUILD)/sources.list |
 	@mkdir -p $(@D)
 	$(archive)
 
+# Another revision alone links no test anew.
 define link
 @mkdir -p $(@D)
 @echo "link $@"
-@$(CXX) $(1) $(filter %.o,$^) $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
+@$(CXX) $(1) $(filter %.o,$(filter-out $(VERSION_OBJ),$^)) $(VERSION_OBJ) $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
 endef
-$(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
+$(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a $(VERSION_OBJ)
 	$(call link,$(RELEASE),$(LIBS_TOOLS))
-$(OUT_SAN)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a
+$(OUT_SAN)/tests: $(TEST_OBJ) $(OUT_SAN)/libtools.a $(OUT_SAN)/libpirvs.a | $(VERSION_OBJ)
 	$(call link,$(SANITIZE),$(LIBS_TEST))
-$(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a
+$(OUT_TESTED)/system_tests: $(SYSTEM_OBJ) $(OUT_TESTED)/libtools.a $(OUT_TESTED)/libpirvs.a | $(VERSION_OBJ)
 	$(call link,$(if $(SAN),$(SANITIZE),$(RELEASE)),$(LIBS_TEST))
-$(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ)
+$(OUT_FUZZ)/fuzz: $(FUZZ_LIB_OBJ) $(FUZZ_TOOL_OBJ) | $(VERSION_OBJ)
 	$(call link,-fsanitize=fuzzer$(comma)address$(comma)undefined,$(LIBS_TOOLS))
-$(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
+$(OUT)/emulator_tests: $(EMULATOR_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a \
+  | $(VERSION_OBJ)
 	$(call link,$(RELEASE),$(LIBS_TEST))
-$(OUT)/device_tests: $(DEVICE_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a
+$(OUT)/device_tests: $(DEVICE_OBJ) $(SYSTEM_SHARED) $(OUT)/libtools.a $(OUT)/libpirvs.a \
+  | $(VERSION_OBJ)
 	$(call link,$(RELEASE),$(LIBS_TEST))
-$(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a
+$(OUT)/bench: $(BENCH_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a | $(VERSION_OBJ)
 	$(call link,$(RELEASE),$(LIBS_BENCH))
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)

@@ -15,7 +15,7 @@ KEYS := $(OUT)/keys
 KEY ?= $(KEYS)/key.pem
 CERT ?= $(KEYS)/cert.pem
 EPOCH := $(shell git log -1 --format=%ct)
-VERSION ?= $(shell git log -1 --format=%cd-%h --date=format:%Y%m%d)
+VERSION ?= $(subst ~,.,$(subst +,.,$(REVISION)))
 COMPATIBLE := pirvs-$(BOARD)-$(UBOOT)
 BUNDLE := $(OUT)/pirvs-$(VERSION).raucb
 CALIBRATION ?=
@@ -28,6 +28,10 @@ fetch: $(DEBIAN_ROOT) $(FIRMWARE)/idbloader.img $(LIBGPIOD)
 image: $(SLOT_FILES) $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; UBOOT=board DTB=file CALIBRATION=file
 	@tools/image/build_card --content $(CONTENT) --slot $(SLOT) --time $(EPOCH) --out $(CARD) \
 	  --firmware $(FIRMWARE) $(CARD_FILES)
+	@tools/image/bill --image $(CARD) --name $(COMPATIBLE) --version $(REVISION) --time $(EPOCH) \
+	  --debian $(DEBIAN_ROOT) --packages $(BUILD)/uboot/packages --packages $(IMAGE_KERNEL)/root/packages \
+	  $(addprefix --static ,libc6-dev-arm64-cross libstdc++-12-dev-arm64-cross \
+	  libgcc-12-dev-arm64-cross libgpiod-dev libeigen3-dev) --compiler g++-12-aarch64-linux-gnu
 
 bundle: $(SLOT_FILES) ## the same version as a signed update, for `pirvs update`; KEY= CERT= sign it
 	@tools/image/build_bundle --slot $(SLOT) --compatible $(COMPATIBLE) --version $(VERSION) \

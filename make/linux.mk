@@ -11,7 +11,7 @@ LINUX_SRC := $(filter-out %_test.cc %_bench.cc,\
   bsp/drivers/icm20602/icm20602.cc board/usb/usb_settings.cc
 LINUX_SHARED := $(filter core/% modules/% bsp/drivers/%,$(LINUX_SRC))
 LINUX_OBJ := $(patsubst %.cc,$(OUT)/obj/%.o,$(filter-out $(LINUX_SHARED),$(LINUX_SRC))) \
-  $(call shared_objects,$(LINUX_SHARED))
+  $(call shared_objects,$(LINUX_SHARED)) $(VERSION_OBJ)
 
 USB_SRC := $(filter-out %_test.cc,$(call find_cc,board/usb core/base core/config)) \
   $(addprefix bsp/linux/,assert.cc clock.cc console.cc system_calls.cc text_file.cc)
@@ -29,12 +29,17 @@ size: $(OUT)/pirvsd ## code, constants and static memory of the program
 	@$(BINUTILS)size $<
 
 # ---- build -------------------------------------------------------------------------------------
+define compile_linux
+@mkdir -p $(@D)
+@echo "c++ $< ($(BOARD))"
+@trap 'rm -f $@.$$$$' EXIT; \
+  $(CXX_LINUX) $(COMMON) $(RELEASE) $(LINUX) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
+  -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
+endef
 $(OUT)/obj/%.o: %.cc Makefile make/linux.mk board/$(BOARD)/board.mk | $(BUILD)/setup.stamp
-	@mkdir -p $(@D)
-	@echo "c++ $< ($(BOARD))"
-	@trap 'rm -f $@.$$$$' EXIT; \
-	  $(CXX_LINUX) $(COMMON) $(RELEASE) $(LINUX) $(BELOW_TOOLS) -MMD -MP -MF $@.$$$$.d -MT $@ \
-	  -c $< -o $@.$$$$ || { rm -f $@.$$$$.d; exit 1; }; mv $@.$$$$.d $(@:.o=.d); mv $@.$$$$ $@
+	$(compile_linux)
+$(VERSION_OBJ): $(OUT)/version.cc
+	$(compile_linux)
 
 $(OUT)/sources.list: FORCE
 	@mkdir -p $(@D)

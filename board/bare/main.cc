@@ -33,6 +33,7 @@
 #include "bsp/replay/pack.h"
 #include "bsp/replay/sensors.h"
 #include "core/base/text.h"
+#include "core/base/version.h"
 #include "modules/app/replay_pace.h"
 #include "modules/output/pose_text.h"
 
@@ -280,7 +281,8 @@ using namespace board;
 
 int application() {
   Text<128> line;
-  line.put("\nPIRVS on ").put(bsp::kMachine.name).put(", ").number(kCores).put(" cores");
+  line.put("\nPIRVS on ").put(bsp::kMachine.name).put(", ").number(kCores).put(" cores, version ");
+  line.put(kVersion);
   say(line);
   if (pin_watch_wanted()) return pin_watch();
   if (!run.fault.configure()) {

@@ -28,6 +28,7 @@
 #include "bsp/linux/cores.h"
 #include "bsp/linux/events.h"
 #include "core/base/text.h"
+#include "core/base/version.h"
 
 namespace pirvs::board {
 namespace {
@@ -46,6 +47,7 @@ constexpr const char* kHelp =
     "  --imu          iio:0, or by the name of its driver, iio:mpu6500; or icm20602:BUS\n"
     "  --calibration  written by `pirvs calibration`\n"
     "  --set          any key of the file, output.text=frames\n"
+    "  --version      says it\n"
     "  --health-low   with CONFIG alone: drives HEALTH low and exits, after pirvsd was killed\n"
     "Poses come on standard output, one a line: t x y z qx qy qz qw health confidence.\n"
     "News of sensors and health come on standard error. SIGTERM and SIGINT end it in order.\n"
@@ -372,6 +374,7 @@ int run() {
   }
   wire_sensors(sensors());
   const bool started = app.start(kBoard.plan, Drive::kTimed) == Status::kOk;
+  say("version", kVersion);
   if (!started) say("cores", "a thread could not be started");
   if (const char* const why = bsp::core_refusals()) say(kBoard.name, why);
   heap::start_is_over();
@@ -412,6 +415,11 @@ int put_health_low(const char* config) {
 int main_of(int argc, char** argv) {
   if (argc > 1 && (std::strcmp(argv[1], "--help") == 0 || std::strcmp(argv[1], "-h") == 0)) {
     (void)!write(STDOUT_FILENO, kHelp, std::strlen(kHelp));
+    return kExitDone;
+  }
+  if (argc > 1 && std::strcmp(argv[1], "--version") == 0) {
+    (void)!write(STDOUT_FILENO, kVersion, std::strlen(kVersion));
+    (void)!write(STDOUT_FILENO, "\n", 1);
     return kExitDone;
   }
   if (argc == 3 && std::strcmp(argv[2], "--health-low") == 0) return put_health_low(argv[1]);

@@ -18,6 +18,10 @@ image: $(OUT)/pirvs.bin $(FIRMWARE)/idbloader.img ## card.img for SD or eMMC; SE
 	@tools/image/build --out $(CARD) --firmware $(FIRMWARE) /recording.bin=$(RECORDING) \
 	  /pirvs-rk3399-bare.bin=$(OUT)/pirvs.bin /pirvs-qemu-virt.bin=$(BUILD)/qemu-virt/pirvs.bin \
 	  /extlinux/extlinux.conf=board/$(BOARD)/extlinux.conf
+	@tools/image/bill --image $(CARD) --name pirvs-rk3399-bare --version $(REVISION) \
+	  --time $(or $(shell git log -1 --format=%ct 2>/dev/null),0) --packages $(BUILD)/uboot/packages \
+	  $(addprefix --static ,picolibc-aarch64-linux-gnu libgcc-12-dev-arm64-cross libeigen3-dev) \
+	  --compiler g++-12-aarch64-linux-gnu
 
 firmware: $(FIRMWARE)/idbloader.img ## Debian's U-Boot for this board alone
 

@@ -36,7 +36,7 @@ std::vector<Shot> views_of(const Target& target, const CameraRig& rig, int count
                       far);
     T_CT.p = middle - T_CT.R * target.middle_T();
     Shot shot;
-    shot.t = 50'000'000 * n;
+    shot.t = TimeNs{50'000'000} * n;
     for (int c = 0; c < rig.cameras; ++c) {
       shot.view[c].t = shot.t;
       for (int tag = 0; tag < target.tags(); ++tag) {

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/version.h"
 #include "tools/cli/command.h"
 #include "tools/dataset/input_error.h"
 
@@ -28,6 +29,7 @@ void print_error(std::string text) {
 int parse_and_run(int argc, char** argv) {
   CLI::App app("Visual-inertial SLAM for a stereo camera and an IMU.", "pirvs");
   app.require_subcommand(1);
+  app.set_version_flag("--version", kVersion, "Print the version and exit");
   std::vector<std::pair<CLI::App*, std::function<int()>>> runs;
   for (const Command* command : kCommands) {
     CLI::App* options = app.add_subcommand(command->name, command->help);

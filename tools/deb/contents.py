@@ -5,8 +5,14 @@ from pathlib import Path
 MAINTAINER = "PIRVS maintainers <maintainers@pirvs.invalid>"
 # What lintian finds and we mean: one static file runs on any Linux, whatever libraries it has.
 MEANT = ("statically-linked-binary", "embedded-library")
-PROGRAMS = {"pirvs": ("pirvs",), "pirvsd": ("pirvsd", "pirvs-usb")}
+PROGRAMS = {"pirvs": ("pirvs",), "pirvsd": ("pirvsd", "pirvs-usb"), "libpirvs0": (),
+            "libpirvs-dev": ()}
+LIBRARY = "libpirvs.so.0"  # of libpirvs0
+LIBRARIES = {"amd64": "usr/lib/x86_64-linux-gnu", "arm64": "usr/lib/aarch64-linux-gnu"}
+SECTIONS = {"pirvs": "science", "pirvsd": "electronics", "libpirvs0": "libs",
+            "libpirvs-dev": "libdevel"}
 IMAGE = "board/ironsides/image/root"
+INTERFACE = "board/library"
 
 ABOUT = {
     "pirvs": """visual-inertial SLAM on recordings, and its tools
@@ -15,7 +21,21 @@ ABOUT = {
     "pirvsd": """visual-inertial SLAM live: a stereo camera and an IMU as a pose sensor
  Tracks two cameras of V4L2 and an IMU of IIO, and gives out poses with their
  uncertainty, as lines, as datagrams, by USB and to autopilots.""",
+    "libpirvs0": """visual-inertial SLAM for programs: shared library
+ A program feeds images of one or two cameras and samples of an IMU, and gets
+ poses with their uncertainty.""",
+    "libpirvs-dev": """visual-inertial SLAM for programs: header and examples
+ pirvs.h, and programs in C, C++ and Python that read a recording.""",
 }
+
+PKG_CONFIG = """libdir=/{folder}
+includedir=/usr/include
+Name: pirvs
+Description: visual-inertial SLAM
+Version: {version}
+Libs: -L${{libdir}} -lpirvs
+Cflags: -I${{includedir}}
+"""
 
 # The card's units, as a distribution wants them: (what stands there, what stands here).
 UNITS = {
@@ -45,9 +65,21 @@ def unit(name, root):
     return text
 
 
+def development(root, arch, version):
+    """Of libpirvs-dev, but for the link."""
+    folder = LIBRARIES[arch]
+    examples = sorted((root / INTERFACE / "examples").iterdir())
+    return {
+        "usr/include/pirvs.h": (root / INTERFACE / "pirvs.h").read_text(),
+        f"{folder}/pkgconfig/pirvs.pc": PKG_CONFIG.format(folder=folder, version=version),
+        **{f"usr/share/doc/libpirvs-dev/examples/{path.name}": path.read_text()
+           for path in examples},
+    }
+
+
 def files(package, root):
     """{path: content}"""
-    if package == "pirvs":
+    if package != "pirvsd":
         return {}
     here = Path(__file__).resolve().parent
     return {
@@ -63,13 +95,16 @@ def control(package, arch, version, size_kib, built_of):
              for part in built_of if part.how == "DYNAMIC_LINK"]
     static = [f"{part.source} (= {part.source_version})" for part in built_of
               if part.how == "STATIC_LINK"]
+    if package == "libpirvs-dev":
+        needs.append(f"libpirvs0 (= {version})")
     fields = {
         "Package": package, "Version": version, "Architecture": arch,
         "Maintainer": MAINTAINER, "Installed-Size": str(size_kib),
         "Depends": ", ".join(needs),
-        "Recommends": "" if package == "pirvs" else "kmod, udev",
+        "Recommends": "kmod, udev" if package == "pirvsd" else "",
+        "Multi-Arch": "same" if package.startswith("lib") else "",
         "Built-Using": ", ".join(sorted(set(static))),
-        "Section": "science" if package == "pirvs" else "electronics", "Priority": "optional",
+        "Section": SECTIONS[package], "Priority": "optional",
         "Description": ABOUT[package],
     }
     return "".join(f"{name}: {value}\n" for name, value in fields.items() if value)

@@ -314,20 +314,4 @@ void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& re
   out.write("summary.json", summary(info, recording, log, result, player_rejected));
 }
 
-std::string source_revision() {
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  if (error) return "unknown";
-  const std::string command =
-      "git -C '" + program.parent_path().string() + "' describe --always --dirty 2>/dev/null";
-  std::string out;
-  if (std::FILE* const pipe = popen(command.c_str(), "r")) {
-    char text[128];
-    while (std::fgets(text, sizeof text, pipe)) out += text;
-    pclose(pipe);
-  }
-  while (!out.empty() && out.back() == '\n') out.pop_back();
-  return out.empty() ? "unknown" : out;
-}
-
 }  // namespace pirvs::tools

@@ -18,7 +18,7 @@ namespace pirvs::tools {
 struct RunInfo {
   std::string command;  // as typed
   std::string sequence;
-  std::string revision;  // of the source tree that the program lies in
+  std::string revision;  // the program's, core/base/version.h
   int cores = 1;
   std::vector<Count> faults;  // put in by hand, and how many items each has changed
 };
@@ -45,8 +45,5 @@ class OutputFolder {
 void write_run_files(OutputFolder& out, const RunInfo& info, const Recording& recording,
                      const RunLog& log, const RunResult& result,
                      const std::vector<Count>& player_rejected);
-
-// What `git describe` says where the program lies; "unknown" outside a repository.
-std::string source_revision();
 
 }  // namespace pirvs::tools

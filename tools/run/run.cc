@@ -10,6 +10,7 @@
 #include "board/host/board.h"
 #include "bsp/api/clock.h"
 #include "bsp/linux/storage.h"
+#include "core/base/version.h"
 #include "core/trace/trace.h"
 #include "tools/cli/command.h"
 #include "tools/cli/command_line.h"
@@ -206,7 +207,7 @@ int run(const Options& options, const std::string& command, View* view) {
   if (view != nullptr)
     log.listeners.push_back(
         &shown.emplace(*view, recording, options.record.empty() ? options.files : recorded_to));
-  RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
+  RunInfo info = {command, options.sequence, kVersion, options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
   Status status = Status::kOk;

@@ -213,8 +213,7 @@ void show_run(ViewScene& scene, const std::string& folder, const std::string& su
   const RunFiles files = {folder, suffix};
   const json summary = read_summary(files("summary.json"));
   const bool has_states = fs::exists(files("state.csv"));
-  Rows states =
-      has_states ? read_states(files("state.csv")) : read_poses(files("trajectory.tum"));
+  Rows states = has_states ? read_states(files("state.csv")) : read_poses(files("trajectory.tum"));
   if (states.rows.empty()) throw InputError("holds no pose", folder, "look at its summary.json");
   double begin_t = kUnknown;
   if (fs::exists(files("timing.csv"))) {
