@@ -184,6 +184,11 @@ AppParams params_of(const Options& options) {
   return params;
 }
 
+Playback playback_of(const Options& options) {
+  if (options.real_time) return Playback::kRealTime;
+  return options.lockstep ? Playback::kLockstep : Playback::kFast;
+}
+
 // `view`: null: nobody looks.
 int run(const Options& options, const std::string& command, View* view) {
   const AppParams params = params_of(options);
@@ -204,9 +209,10 @@ int run(const Options& options, const std::string& command, View* view) {
     log.listeners.push_back(&*robot);
   }
   std::optional<ReplayView> shown;
-  if (view != nullptr)
-    log.listeners.push_back(
-        &shown.emplace(*view, recording, options.record.empty() ? options.files : recorded_to));
+  if (view != nullptr) {
+    const std::string files = options.record.empty() ? options.files : recorded_to;
+    log.listeners.push_back(&shown.emplace(*view, recording, files));
+  }
   RunInfo info = {command, options.sequence, kVersion, options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
@@ -232,9 +238,7 @@ int run(const Options& options, const std::string& command, View* view) {
       throw InputError("cannot record", options.record, "check space and permissions");
     }
     if (options.mapping_lag >= 0) app.delay_mapping(options.mapping_lag);
-    const Playback playback = options.real_time  ? Playback::kRealTime
-                              : options.lockstep ? Playback::kLockstep
-                                                 : Playback::kFast;
+    const Playback playback = playback_of(options);
     if (options.real_time) log.attach(app, recording.imu.size());
     status = play(app, feed.source(), board::kPlans[options.cores - 1], playback, [&] {
       log.take_poses(app);
