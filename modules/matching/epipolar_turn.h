@@ -7,8 +7,8 @@
 // Errors  none. What the matches do not tell keeps the sigma that it began with.
 // Cost    ~0.05 us a match, x86-64.
 // Source  own. About the baseline and the line of sight a turn shows in every match; about the
-//         third axis, where the cameras squint, at the rims alone and by the product of both angles:
-//         less is told there, since a lens that fits badly looks the same.
+//         third axis, where the cameras squint, at the rims alone and by the product of both
+//         angles: less is told there, since a lens that fits badly looks the same.
 #pragma once
 
 #include "core/camera/camera.h"
