@@ -43,6 +43,13 @@ LIB_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_BELOW_TOOLS))
 TOOL_SRC := $(filter-out %_test.cc %_bench.cc,$(ALL_TOOLS))
 MAIN_SRC := $(if $(TOOL_SRC),$(shell grep -lE '^int main\b' $(TOOL_SRC)))
 TOOL_SRC_NO_MAIN := $(filter-out $(MAIN_SRC),$(TOOL_SRC))
+# What no unit test reaches is not compiled with sanitizers: commands, and what they alone need.
+UNREACHED := $(if $(SAN),,%_command.cc %_view.cc tools/convert/% tools/ros2/% \
+  $(addprefix tools/view/,server.cc view.cc image_encoder.cc serial_commands.cc system_load.cc) \
+  $(addprefix tools/run/,run.cc run_mcap.cc robot_output.cc) \
+  $(addprefix tools/info/,image_turn.cc info_report.cc stereo_sense.cc) \
+  $(addprefix tools/calib/,corner_input.cc device_calibration.cc flight_check.cc flight_points.cc \
+  result_files.cc))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \
@@ -277,7 +284,7 @@ $(IDL_USERS): $(IDL)/Messages.h
 LIB_OBJ := $(call objects,$(OUT),$(LIB_SRC))
 LIB_OBJ_SAN := $(call objects,$(OUT_SAN),$(LIB_SRC))
 TOOL_OBJ := $(call objects,$(OUT),$(TOOL_SRC_NO_MAIN))
-TOOL_OBJ_SAN := $(call objects,$(OUT_SAN),$(TOOL_SRC_NO_MAIN))
+TOOL_OBJ_SAN := $(call objects,$(OUT_SAN),$(filter-out $(UNREACHED),$(TOOL_SRC_NO_MAIN)))
 MAIN_OBJ := $(call objects,$(OUT),$(MAIN_SRC))
 TEST_OBJ := $(call objects,$(OUT_SAN),$(TEST_SRC))
 SYSTEM_OBJ := $(call objects,$(OUT_TESTED),$(SYSTEM_SRC))

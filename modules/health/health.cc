@@ -123,7 +123,8 @@ float Health::judge(const FrameEvidence& e) const {
   }
   if (in_doubt_ && !e.at_rest) vision = std::min(vision, static_cast<double>(kDoubtConfidence));
   const uint16_t own = bit(Reason::kBlind) | bit(Reason::kStamps);  // said above
-  if ((trust_.reasons & ~own) != 0) vision = std::min(vision, kDoubted);
+  const bool recovers = state_ == HealthState::kDegraded && !e.at_rest;
+  if ((trust_.reasons & ~own) != 0 || recovers) vision = std::min(vision, kDoubted);
   const double sigma = e.position_sigma_m / params_.sigma_half_m;
   return static_cast<float>(vision / (1 + sigma * sigma));
 }

@@ -226,5 +226,28 @@ TEST(health, every_reason_has_a_name) {
   }
 }
 
+TEST(health, what_is_rejected_for_long_counts_sooner) {
+  HealthCase c;
+  c.health.started(0);
+  double doubted_s = 0;
+  for (double t_s = 0.05; t_s < 10 && doubted_s == 0; t_s += 0.05) {
+    FrameEvidence e{from_seconds(t_s), 60, 12, 0.01};
+    e.rejected = 25;  // 29 %, of which 35 are too many at once
+    c.health.update(e);
+    if ((c.health.trust().reasons & bit(Reason::kRejected)) != 0) doubted_s = t_s;
+  }
+  EXPECT_GT(doubted_s, 2);
+  EXPECT_LT(doubted_s, 9);
+}
+
+TEST(health, what_is_degraded_is_never_trusted) {
+  HealthCase c;
+  c.health.started(0);
+  c.update(1, 0);
+  c.update(1.05, 200);
+  ASSERT_EQ(c.health.state(), HealthState::kDegraded);
+  EXPECT_LE(c.confidence(), 0.5f);
+}
+
 }  // namespace
 }  // namespace pirvs

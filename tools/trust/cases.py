@@ -20,6 +20,10 @@ BASES = {
     "car": "--path steady --forward 1.0 --left 0 --rest 0 --ramp 0.01 --duration 15 --format pgm",
     "dim": "--duration 14 --format pgm --blur 1 --seed 7 --noise 6 --dark 0.96 --dark-from 6 "
            "--dark-for 5",
+    "chequered": "--duration 14 --format pgm --blur 1 --seed 5 --surfaces chequered",
+    "chequered walls": "--duration 14 --format pgm --blur 1 --seed 6 --surfaces chequered --boxes 0",
+    "plain": "--duration 14 --format pgm --blur 1 --seed 5 --surfaces plain",
+    "plain walls": "--duration 14 --format pgm --blur 1 --seed 6 --surfaces plain --boxes 0",
 }
 FAULT_S = 10  # of what begins in the middle of a rest
 
@@ -190,6 +194,9 @@ CASES = [
     *(Case(f"in a {name}", 8, "rest", platform(motion), (), False, FAULT_S)
       for name, motion in (("train that brakes", train), ("lift", lift),
                            ("car that turns", turning_car))),
+    # 9: repeated texture.
+    Case("chequered hall and boxes", 9, "chequered"), Case("chequered hall", 9, "chequered walls"),
     # 10: texture that is hardly more than noise.
     Case("a hall that gets dark", 10, "dim", fault_s=6.0),
+    Case("whitewashed hall and boxes", 10, "plain"), Case("whitewashed hall", 10, "plain walls"),
 ]
