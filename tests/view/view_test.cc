@@ -2,7 +2,7 @@
 // In      PIRVS_BUILD (default build): host/pirvs, view/view.html, and view-test/node_modules that
 //         make fetches. PIRVS_CHROMIUM: another browser. The clip, else a simulated recording.
 //         PIRVS_PICTURES: the folder whose pictures of the page are drawn anew.
-// Cost    60 s, most of it in real time; the pictures 90 s.
+// Cost    60 s, most of it in real time; the pictures 150 s.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -159,8 +159,8 @@ TEST(view, pictures_of_the_docs_are_drawn_anew) {
   const char* const pictures = std::getenv("PIRVS_PICTURES");
   if (pictures == nullptr) GTEST_SKIP() << "PIRVS_PICTURES says where to";
   const std::string folder = scratch_folder("view_pictures");
-  const std::string sim = "sim --room 3 --boxes 60 --format jpg --out " + folder;
-  pirvs(sim + "/monday --seed 1 --duration 25");
+  const std::string sim = "sim --room 3 --boxes 80 --rest 0.5 --format pgm --out " + folder;
+  pirvs(sim + "/monday --seed 1 --duration 40");
   pirvs(sim + "/tuesday --seed 2 --duration 40 --gnss rtk");
   pirvs("run " + folder + "/monday --out " + folder + "/before --save-map " + folder +
         "/monday.map");
