@@ -348,11 +348,13 @@ $(OUT_SAN)/libtools.a: $(TOOL_OBJ_SAN) $(IDL)/Messages.o $(BUILD)/sources.list |
 	@mkdir -p $(@D)
 	$(archive)
 
-# Another revision alone links no test anew.
+# Another revision alone links no test anew. A build id would tell folders apart: it is made of the
+# debug information, too, which names them.
 define link
 @mkdir -p $(@D)
 @echo "link $@"
-@$(CXX) $(1) $(filter %.o,$(filter-out $(VERSION_OBJ),$^)) $(VERSION_OBJ) $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
+@$(CXX) $(1) -Wl,--build-id=none $(filter %.o,$(filter-out $(VERSION_OBJ),$^)) $(VERSION_OBJ) \
+  $(filter %.a,$^) $(2) -o $@.$$$$ && mv $@.$$$$ $@
 endef
 $(OUT)/pirvs: $(MAIN_OBJ) $(OUT)/libtools.a $(OUT)/libpirvs.a $(VERSION_OBJ)
 	$(call link,$(RELEASE),$(LIBS_TOOLS))

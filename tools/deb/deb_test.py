@@ -54,6 +54,21 @@ def build_programs(folder):
         subprocess.run(["gcc", *static, source, "-o", Path(folder) / name], check=True)
 
 
+def build_library(folder, names):
+    """One that has the symbols of ours."""
+    source = Path(folder) / "library.c"
+    source.write_text("".join(f"void {name}(void) {{}}\n" for name in names))
+    subprocess.run(["gcc", "-shared", "-fPIC", source, "-o", Path(folder) / contents.LIBRARY,
+                    f"-Wl,-soname,{contents.LIBRARY}",
+                    f"-Wl,--version-script={HERE.parents[1] / 'board/library/exports.map'}"],
+                   check=True)
+
+
+def symbols():
+    lines = (HERE / "libpirvs0.symbols").read_text().splitlines()[1:]
+    return [line.split("@")[0].strip() for line in lines if line.startswith(" pirvs_")]
+
+
 @unittest.skipUnless(os.environ.get("PIRVS_NIGHTLY"), "for make nightly")
 @unittest.skipUnless(shutil.which("dpkg-deb") and shutil.which("help2man"), "no help2man here")
 @unittest.skipUnless(os.uname().machine == "x86_64", "for amd64")
@@ -64,12 +79,16 @@ class Packages(unittest.TestCase):
         cls.addClassCleanup(cls.folder.cleanup)
         cls.root = Path(cls.folder.name)
         build_programs(cls.root)
+        build_library(cls.root, symbols())
+
+    def try_build(self, package, out, programs, umask=0o022):
+        return subprocess.run(
+            [sys.executable, "-B", HERE / "build", package, "--arch", "amd64", "--programs",
+             programs, "--out", self.root / out, "--version", "1.2", "--time", "1700000000"],
+            text=True, capture_output=True, umask=umask)
 
     def build(self, package, out, umask=0o022):
-        done = subprocess.run(
-            [sys.executable, "-B", HERE / "build", package, "--arch", "amd64", "--programs",
-             self.root, "--out", self.root / out, "--version", "1.2", "--time", "1700000000"],
-            text=True, capture_output=True, umask=umask)
+        done = self.try_build(package, out, self.root, umask)
         self.assertEqual(done.returncode, 0, done.stderr)
         name = f"{package}_1.2_amd64"
         return self.root / out / f"{name}.deb", self.root / out / f"{name}.spdx.json"
@@ -78,7 +97,7 @@ class Packages(unittest.TestCase):
         for package in contents.PROGRAMS:
             one = self.build(package, "one")
             time.sleep(2)
-            for path in self.root.glob("pirvs*"):
+            for path in self.root.glob("*pirvs*"):
                 if path.is_file():
                     path.touch()
             two = self.build(package, "two", umask=0o077)
@@ -101,6 +120,29 @@ class Packages(unittest.TestCase):
         known = {part["SPDXID"] for part in told["packages"]} | {"SPDXRef-DOCUMENT"}
         for relation in told["relationships"]:
             self.assertLessEqual({relation["spdxElementId"], relation["relatedSpdxElement"]}, known)
+
+    def test_the_library_has_the_symbols_that_programs_need(self):
+        package, bill = self.build("libpirvs0", "five")
+        listed = subprocess.run(["dpkg-deb", "-c", package], text=True, capture_output=True).stdout
+        self.assertIn(f" ./{contents.LIBRARIES['amd64']}/libpirvs.so.0\n", listed)
+        self.assertIn("SPDX-2.3", bill.read_text())
+        shown = subprocess.run(["dpkg-deb", "-I", package, "symbols"], text=True,
+                               capture_output=True).stdout
+        for name in symbols():
+            self.assertIn(f" {name}@PIRVS_0 ", shown)
+        package, _ = self.build("libpirvs-dev", "five")
+        listed = subprocess.run(["dpkg-deb", "-c", package], text=True, capture_output=True).stdout
+        for path in ("usr/include/pirvs.h", "usr/share/doc/libpirvs-dev/examples/poses.py",
+                     f"{contents.LIBRARIES['amd64']}/libpirvs.so -> libpirvs.so.0"):
+            self.assertIn(f" ./{path}\n", listed)
+        needs = subprocess.run(["dpkg-deb", "-f", package, "Depends"], text=True,
+                               capture_output=True).stdout
+        self.assertEqual(needs.strip(), "libpirvs0 (= 1.2)")
+        with tempfile.TemporaryDirectory() as folder:
+            build_library(folder, symbols()[1:])
+            done = self.try_build("libpirvs0", "six", folder)
+            self.assertNotEqual(done.returncode, 0)
+            self.assertIn(symbols()[0], done.stderr)
 
     @unittest.skipUnless(shutil.which("lintian"), "no lintian here")
     def test_lintian_finds_no_error(self):
