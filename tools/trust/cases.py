@@ -21,7 +21,8 @@ BASES = {
     "dim": "--duration 14 --format pgm --blur 1 --seed 7 --noise 6 --dark 0.96 --dark-from 6 "
            "--dark-for 5",
     "chequered": "--duration 14 --format pgm --blur 1 --seed 5 --surfaces chequered",
-    "chequered walls": "--duration 14 --format pgm --blur 1 --seed 6 --surfaces chequered --boxes 0",
+    "chequered walls": "--duration 14 --format pgm --blur 1 --seed 6 --boxes 0 "
+                       "--surfaces chequered",
     "plain": "--duration 14 --format pgm --blur 1 --seed 5 --surfaces plain",
     "plain walls": "--duration 14 --format pgm --blur 1 --seed 6 --surfaces plain --boxes 0",
 }
