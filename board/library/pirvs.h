@@ -76,7 +76,8 @@ enum {
   PIRVS_STAMPS = 1 << 6,     /* one sensor's may be wrong */
   PIRVS_DENIED = 1 << 7,     /* what ran before this start was hopeless */
   PIRVS_PLATFORM = 1 << 8,   /* what is seen moves along with the device */
-  PIRVS_CAMERAS = 1 << 9     /* they disagree */
+  PIRVS_CAMERAS = 1 << 9,    /* they disagree */
+  PIRVS_TURN = 1 << 10       /* gyro and image turn against each other: axes? */
 };
 
 typedef struct pirvs_pose {

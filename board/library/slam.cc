@@ -36,7 +36,7 @@ static_assert(PIRVS_BLIND == bit(Reason::kBlind) && PIRVS_REJECTED == bit(Reason
               PIRVS_GYRO_BIAS == bit(Reason::kGyroBias) && PIRVS_SPEED == bit(Reason::kSpeed) &&
               PIRVS_STAMPS == bit(Reason::kStamps) && PIRVS_DENIED == bit(Reason::kDenied) &&
               PIRVS_PLATFORM == bit(Reason::kPlatform) && PIRVS_CAMERAS == bit(Reason::kCameras) &&
-              static_cast<int>(Reason::kCount) == 10);
+              PIRVS_TURN == bit(Reason::kTurn) && static_cast<int>(Reason::kCount) == 11);
 
 void copy(const Vec3& from, double* to) {
   for (int i = 0; i < 3; ++i) to[i] = from[i];

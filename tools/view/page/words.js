@@ -11,6 +11,7 @@ const kReasons = {
   denied: ['lost not long ago', 'What ran before this start was hopeless.'],
   platform: ['on something that moves', 'The picture stands while the IMU is pushed.'],
   cameras: ['cameras disagree', 'They do not see at the same time, or are turned against each other.'],
+  turn: ['axes in doubt', 'Gyro and image turn against each other: axes of the IMU, or T_BS?'],
   'dead reckoning': ['dead reckoning', 'By the IMU alone since the last image.'],
 };
 
