@@ -14,12 +14,12 @@ constexpr double kBlindConfidence = 0.5;  // at once; from there it falls with t
 constexpr double kSpreadFull = 1.5;       // two thirds of the cells are as good as all
 constexpr double kDoubted = 0.5;          // at most, with any reason
 constexpr double kRejected_s = 0.5;       // over which the share of the rejected is a mean
-constexpr double kRejectedLong_s = 5, kRejectedLong = 0.6;  // for longer, less is too many
-constexpr double kJumps_s = 10;                             // after which a jump counts a third
-constexpr double kHopelessJumps = 6;                        // times what is doubted
-constexpr double kHopeless_s = 1;                           // of which no way leads back
-constexpr double kDenied_s = 10;     // for which a start after that is doubted
-constexpr double kHopelessBias = 3;  // times what is doubted
+constexpr double kRejectedLong_s = 5, kStillMany = 0.6;  // for longer, less is too many
+constexpr double kJumps_s = 10;                          // after which a jump counts a third
+constexpr double kHopelessJumps = 6;                     // times what is doubted
+constexpr double kHopeless_s = 1;                        // of which no way leads back
+constexpr double kDenied_s = 10;                         // for which a start after that is doubted
+constexpr double kHopelessBias = 3;                      // times what is doubted
 
 }  // namespace
 
@@ -84,9 +84,10 @@ uint16_t Health::find_reasons(const FrameEvidence& e, double dt_s) {
   uint16_t out = 0;
   const auto doubt = [&out](Reason reason, bool holds) { out |= holds ? bit(reason) : 0; };
   doubt(Reason::kBlind, !e.at_rest && e.accepted < static_cast<int>(params_.matches_min));
+  const double many = params_.rejected_share_max, still_many = kStillMany * many;
+  const bool was = (trust_.reasons & bit(Reason::kRejected)) != 0;
   doubt(Reason::kRejected,
-        rejected_share_ > params_.rejected_share_max ||
-            (rejected_long_ > kRejectedLong * params_.rejected_share_max && !e.at_rest));
+        rejected_share_ > (was ? still_many : many) || (rejected_long_ > still_many && !e.at_rest));
   doubt(Reason::kJumps, jumps_ > params_.jumps_max);
   doubt(Reason::kAccelBias, e.accel_bias_m_s2 > params_.accel_bias_max_m_s2);
   doubt(Reason::kGyroBias, e.gyro_bias_rad_s > params_.gyro_bias_max_rad_s);
