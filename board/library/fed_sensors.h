@@ -2,8 +2,8 @@
 // In      open_fed_sensors(): before anything is fed or polled; the images' size, and whether time
 //         passes by the clock. add(): in order of time; samples from one thread, images from one.
 //         Images are copied.
-// Out     What bsp/api says. end_fed_sensors(): once all that was added has been polled, the streams
-//         have ended.
+// Out     What bsp/api says. end_fed_sensors(): once all that was added has been polled, the
+//         streams have ended.
 // Errors  add: kFull, kImuWaiting samples or kFramesWaiting frames wait: nothing was taken. The
 //         next one that is tells that some were lost before it.
 // Cost    A copy of the images. Memory: 26 MB of pixels, of which images use their size.
