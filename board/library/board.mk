@@ -37,9 +37,9 @@ $(OUT)/libpirvs.so: $(LIBRARY)
 
 EXAMPLE_LINK := -Wall -Wextra -O1 -Iboard/library -L$(OUT) -Wl,-rpath,'$$ORIGIN'
 $(OUT)/poses-c: board/library/examples/poses.c board/library/pirvs.h $(OUT)/libpirvs.so
-	@gcc -std=c99 -pedantic $< $(EXAMPLE_LINK) -lpirvs -o $@
+	@gcc -std=c99 -pedantic $< $(EXAMPLE_LINK) -lpirvs -o $@.$$$$ && mv $@.$$$$ $@
 $(OUT)/poses-cc: board/library/examples/poses.cc board/library/pirvs.h $(OUT)/libpirvs.so
-	@$(CXX) -std=c++17 -pedantic $< $(EXAMPLE_LINK) -lpirvs -o $@
+	@$(CXX) -std=c++17 -pedantic $< $(EXAMPLE_LINK) -lpirvs -o $@.$$$$ && mv $@.$$$$ $@
 
 ifeq ($(filter help clean setup format,$(MAKECMDGOALS)),)
 -include $(LIBRARY_OBJ:.o=.d)
