@@ -203,9 +203,8 @@ int run(const Options& options, const std::string& command, View* view) {
     log.listeners.push_back(&*robot);
   }
   std::optional<ReplayView> shown;
-  if (view != nullptr)
-    log.listeners.push_back(
-        &shown.emplace(*view, recording, options.record.empty() ? options.files : recorded_to));
+  const std::string& maps = options.record.empty() ? options.files : recorded_to;
+  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording, maps));
   RunInfo info = {command, options.sequence, source_revision(), options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();
