@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""A device's serial line as docs/device.md describes it: a pty, whose name stands on standard
-output. Pose lines until `poses off`; each command is answered by one line. Ends with its standard
-input."""
+"""A device's serial line as docs/device.md describes it: a pty, whose name it prints.
+Pose lines until `poses off`; each command is answered by one line. Ends with its standard input."""
 import os
 import select
 import sys

@@ -153,7 +153,7 @@ TEST(view, a_finished_run_has_a_slider) {
   EXPECT_GT(seen.value("cursors", 0), 3) << "the slider moves the line in the report's figures";
 }
 
-// Of a hall that was mapped on another flight, and with a receiver of GNSS: all that the page has.
+// Of a hall that was mapped on another flight, and with a receiver of GNSS: all that it shows.
 TEST(view, pictures_of_the_docs_are_drawn_anew) {
   if (!has_browser()) GTEST_SKIP();
   const char* const pictures = std::getenv("PIRVS_PICTURES");

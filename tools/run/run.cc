@@ -184,6 +184,15 @@ AppParams params_of(const Options& options) {
   return params;
 }
 
+// Refuses what no start can come of: units that are none of ours.
+Recording open_sound(const Options& options) {
+  Recording recording = open_recording(options.sequence, options.recording);
+  print_notes(recording);
+  const ImuFault fault = find_imu_fault(recording.imu);
+  if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
+  return recording;
+}
+
 Playback playback_of(const Options& options) {
   if (options.real_time) return Playback::kRealTime;
   return options.lockstep ? Playback::kLockstep : Playback::kFast;
@@ -194,10 +203,7 @@ int run(const Options& options, const std::string& command, View* view) {
   const AppParams params = params_of(options);
   std::vector<Fault> faults;
   for (const std::string& spec : options.faults) faults.push_back(parse_fault(spec));
-  const Recording recording = open_recording(options.sequence, options.recording);
-  print_notes(recording);
-  const ImuFault fault = find_imu_fault(recording.imu);
-  if (!fault.what.empty()) throw InputError(fault.what, options.sequence, fault.what_to_do);
+  const Recording recording = open_sound(options);
   std::optional<OutputFolder> out;
   if (!options.out.empty()) out.emplace(options.out, options.force);
   const std::string recorded_to = record_folder(options.record);
@@ -209,10 +215,8 @@ int run(const Options& options, const std::string& command, View* view) {
     log.listeners.push_back(&*robot);
   }
   std::optional<ReplayView> shown;
-  if (view != nullptr) {
-    const std::string files = options.record.empty() ? options.files : recorded_to;
-    log.listeners.push_back(&shown.emplace(*view, recording, files));
-  }
+  const std::string& maps = options.record.empty() ? options.files : recorded_to;
+  if (view != nullptr) log.listeners.push_back(&shown.emplace(*view, recording, maps));
   RunInfo info = {command, options.sequence, kVersion, options.cores, {}};
   std::vector<Count> rejected;
   const auto begin = std::chrono::steady_clock::now();

@@ -166,12 +166,22 @@ json read_summary(const std::string& path) {
   return summary;
 }
 
-void show_map(ViewScene& scene, const RunFiles& files) {
-  if (fs::exists(files("keyframes.tum")) && fs::file_size(files("keyframes.tum")) > 0) {
-    for (const TrajectoryPose& pose : read_trajectory(files("keyframes.tum")).poses) {
-      scene.keyframe(pose.p_WB, pose.q_WB);
+// Those of a loaded map come first, and were taken on another day: not in order of time.
+void show_keyframes(ViewScene& scene, const std::string& path) {
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream numbers(line);
+    double t = 0;
+    Vec3 p;
+    Vec4 q;
+    if (numbers >> t >> p[0] >> p[1] >> p[2] >> q[0] >> q[1] >> q[2] >> q[3]) {
+      scene.keyframe(p, q);
     }
   }
+}
+
+void show_map(ViewScene& scene, const RunFiles& files) {
+  show_keyframes(scene, files("keyframes.tum"));
   if (!fs::exists(files("map.ply"))) return;
   std::vector<ViewPoint> points;
   for (const Eigen::Vector3f& p : read_ply(files("map.ply"))) {
