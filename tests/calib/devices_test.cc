@@ -93,12 +93,12 @@ Consistency expect_truth(const SimulatedDevice& device, const Found& found) {
   }
   const Consistency out = consistency(error_of(device, r), r.covariance);
   const HeldOut& held = found.cameras.held_out;
-  std::printf("%.3f %.3f px | focal %.4f %% | centre %.3f px | baseline %.3f mm | rotation %.4f deg"
-              " | place %.2f mm | time %.4f ms | gyro %.4f %% | accelerometer %.4f %% | NEES %.2f |"
-              " worst %.1f sigma | %.0f s\n",
-              std::max(held.within_px[0], held.within_px[1]), held.across_px, 100 * focal, centre,
-              baseline, rotation, place, time, 100 * gyro, 100 * accel, out.nees, out.worst,
-              found.seconds);
+  std::printf(
+      "%.3f %.3f px | focal %.4f %% | centre %.3f px | baseline %.3f mm | rotation %.4f deg"
+      " | place %.2f mm | time %.4f ms | gyro %.4f %% | accelerometer %.4f %% | NEES %.2f |"
+      " worst %.1f sigma | %.0f s\n",
+      std::max(held.within_px[0], held.within_px[1]), held.across_px, 100 * focal, centre, baseline,
+      rotation, place, time, 100 * gyro, 100 * accel, out.nees, out.worst, found.seconds);
   std::fflush(stdout);
   EXPECT_LT(std::max(held.within_px[0], held.within_px[1]), 0.2);
   EXPECT_LT(held.across_px, 0.3);

@@ -92,8 +92,7 @@ TEST(calibration, what_was_found_flies_as_well_as_the_truth) {
     options.size = {device.rig.camera[0].width, device.rig.camera[0].height};
     ImuCameraOptions motion;
     motion.noise = device.noise;
-    const CameraResult cameras =
-        calibrate_cameras(device.target, device.shots(how), 2, options);
+    const CameraResult cameras = calibrate_cameras(device.target, device.shots(how), 2, options);
     const ImuCameraResult found = calibrate_imu_camera(cameras, device.samples(how), motion);
 
     const std::string file = systems::scratch_folder("device") + "/calibration.cfg";
@@ -125,8 +124,7 @@ TEST(calibration, what_was_found_flies_as_well_as_the_truth) {
     systems::print("nominal calibration", without);
     found_m += with.result.evaluation.ate_rmse_m;
     true_m += with_truth.result.evaluation.ate_rmse_m;
-    EXPECT_GT(without.result.evaluation.ate_rmse_m,
-              1.5 * with_truth.result.evaluation.ate_rmse_m);
+    EXPECT_GT(without.result.evaluation.ate_rmse_m, 1.5 * with_truth.result.evaluation.ate_rmse_m);
   }
   EXPECT_LT(found_m, 1.1 * true_m);
 }

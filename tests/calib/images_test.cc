@@ -91,8 +91,8 @@ TEST(calibration, a_device_is_calibrated_from_images) {
   SimulatedDevice device(7);
   const std::string folder = systems::scratch_folder("board"), out = folder + "/out";
   write_board_recording(device, short_recording(12), folder);
-  const std::vector<std::string> words = {folder, "--target", folder + "/target.yaml", "--serial",
-                                          "0042", "--model",  "equidistant"};
+  const std::vector<std::string> words = {
+      folder, "--target", folder + "/target.yaml", "--serial", "0042", "--model", "equidistant"};
   std::vector<std::string> good = words;
   good.insert(good.end(), {"--out", out});
   EXPECT_EQ(run(kCalibDeviceCommand, good), kExitDone);
@@ -107,8 +107,8 @@ TEST(calibration, a_device_is_calibrated_from_images) {
     EXPECT_LT((is.T_BC.p - was.T_BC.p).norm(), 1e-3);
   }
   EXPECT_NEAR(to_seconds(found.camera_time_offset_ns), device.offset_s, 5e-5);
-  EXPECT_NEAR(
-      (found.camera[0].T_BC.p - found.camera[1].T_BC.p).norm(), device.rig.T_C1C0.p.norm(), 1e-4);
+  EXPECT_NEAR((found.camera[0].T_BC.p - found.camera[1].T_BC.p).norm(), device.rig.T_C1C0.p.norm(),
+              1e-4);
   for (const char* file : {"calibration.html", "calibration.json", "camchain-imucam.yaml",
                            "imu.yaml", "mav0/cam1/sensor.yaml", "mav0/imu0/sensor.yaml"}) {
     EXPECT_TRUE(fs::exists(out + "/" + file)) << file;

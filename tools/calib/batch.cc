@@ -50,8 +50,8 @@ int run_logged(const std::vector<std::string>& words, const std::string& log) {
   posix_spawn_file_actions_t files;
   posix_spawn_file_actions_init(&files);
   posix_spawn_file_actions_addopen(&files, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(),
-                                   O_WRONLY | O_CREAT | O_TRUNC, 0644);
+  posix_spawn_file_actions_addopen(&files, STDOUT_FILENO, log.c_str(), O_WRONLY | O_CREAT | O_TRUNC,
+                                   0644);
   posix_spawn_file_actions_adddup2(&files, STDOUT_FILENO, STDERR_FILENO);
   pid_t child = 0;
   const bool started = posix_spawn(&child, argv[0], &files, nullptr, argv.data(), environ) == 0;
@@ -110,7 +110,7 @@ BatchRow calibrate_one(const BatchOptions& o, const std::string& serial) {
   std::error_code error;
   fs::remove_all(out, error);
   fs::create_directories(out, error);
-  std::vector<std::string> words = {o.program,  "calib", "device",   o.folder + "/" + serial,
+  std::vector<std::string> words = {o.program,  "calib",  "device",   o.folder + "/" + serial,
                                     "--target", o.target, "--serial", serial,
                                     "--out",    out};
   words.insert(words.end(), o.more.begin(), o.more.end());
@@ -170,10 +170,14 @@ void write_tables(const std::string& out, const std::vector<BatchRow>& rows) {
 
 const char* verdict_name(Verdict verdict) {
   switch (verdict) {
-    case Verdict::kPassed: return "passed";
-    case Verdict::kFailed: return "failed";
-    case Verdict::kRefused: return "refused";
-    case Verdict::kCrashed: break;
+    case Verdict::kPassed:
+      return "passed";
+    case Verdict::kFailed:
+      return "failed";
+    case Verdict::kRefused:
+      return "refused";
+    case Verdict::kCrashed:
+      break;
   }
   return "crashed";
 }

@@ -10,9 +10,9 @@ namespace pirvs::tools {
 namespace {
 
 const Command* const kSteps[] = {
-    &kCalibTargetCommand, &kCalibCornersCommand, &kCalibCamerasCommand, &kCalibImuCameraCommand,
-    &kCalibNoiseCommand,  &kCalibDeviceCommand,  &kCalibBatchCommand,   &kCalibCheckCommand,
-    &kCalibSimulateCommand};
+    &kCalibTargetCommand,    &kCalibCornersCommand, &kCalibCamerasCommand,
+    &kCalibImuCameraCommand, &kCalibNoiseCommand,   &kCalibDeviceCommand,
+    &kCalibBatchCommand,     &kCalibCheckCommand,   &kCalibSimulateCommand};
 
 std::function<int()> declare(CLI::App& app) {
   app.require_subcommand(1);

@@ -25,7 +25,7 @@ void print_lens(const CameraResult& result, int c) {
 
 void read_images(const CornerOptions& options, CornerInput& out) {
   InputLog log;
-  BoardImages found = 
+  BoardImages found =
       find_boards(options.sequence, out.target, options.rate_hz, options.duration_s_max, log);
   print_log(options.sequence, log);
   out.tags_twice = log.counted("tags_seen_twice");

@@ -20,7 +20,7 @@ struct CornerOptions {
   std::vector<std::string> files;
   std::string target, model;
   std::vector<int> size;
-  double rate_hz = 20;         // of images looked at
+  double rate_hz = 20;          // of images looked at
   double duration_s_max = 1e6;  // likewise
 };
 

@@ -18,7 +18,8 @@ struct Options {
 
 int run(const Options& o) {
   InputLog log;
-  const BoardImages found = find_boards(o.sequence, read_target(o.target), o.rate_hz, kWhole_s, log);
+  const BoardImages found =
+      find_boards(o.sequence, read_target(o.target), o.rate_hz, kWhole_s, log);
   print_log(o.sequence, log);
   for (int c = 0; c < found.cameras; ++c) {
     size_t corners = 0;

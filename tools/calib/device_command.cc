@@ -105,8 +105,7 @@ std::string found_table(const DeviceResult& r) {
   }
   for (int i = 0; i < 3; ++i) {
     row(
-        std::string("place along B's ") + axes[i],
-        [&](int c) { return r.imu.camera[c].T_BC.p[i]; },
+        std::string("place along B's ") + axes[i], [&](int c) { return r.imu.camera[c].T_BC.p[i]; },
         [&](int c) { return r.imu.camera[c].sigma[3 + i]; }, 1e3, "mm");
   }
   row(
@@ -132,8 +131,8 @@ std::string page(const Options& o, const DeviceResult& r) {
   }
   out += "</table></div>\n";
   for (const std::string& warning : r.warnings) {
-    out += "<div class=card><span class=\"pill warn\">odd</span> " + html_escape(warning) +
-           "</div>\n";
+    out +=
+        "<div class=card><span class=\"pill warn\">odd</span> " + html_escape(warning) + "</div>\n";
   }
   for (const std::string& what : r.imu.unexcited) {
     out += "<div class=card><span class=\"pill bad\">not told by the motion</span> " +
