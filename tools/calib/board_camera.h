@@ -1,4 +1,4 @@
-// What    Draws images of a board: through a lens, blurred by motion and focus, darkened, with noise.
+// What    Draws images of a board: through a lens, blurred by motion and focus, dark, with noise.
 // In      Camera, board (flat); where the board stood while the shutter was open.
 // Out     8-bit grey, a mean of 9 samples a pixel.
 // Frames  T_CT: from the board to the camera.

@@ -1,7 +1,7 @@
 // What    What a simulated device records of a board, as an ASL folder with drawn images.
 // In      A device, how it is moved, the light.
-// Out     FOLDER/mav0: cam0, cam1 with data.csv and PGM images, imu0 with data.csv and the densities
-//         in sensor.yaml; FOLDER/target.yaml. FOLDER/truth: the device's true calibration, as
+// Out     FOLDER/mav0: cam0, cam1 with data.csv and PGM images, imu0 with data.csv and densities in
+//         sensor.yaml; FOLDER/target.yaml. FOLDER/truth: the device's true calibration, as
 //         sensor.yaml files and calibration.cfg. The board is flat.
 // Errors  InputError: it cannot be written.
 // Cost    ~0.1 s an image of one core, 0.3 MB; one core a camera.

@@ -2,8 +2,8 @@
 // In      Shots of the board, IMU samples; what was dropped on the way; limits.
 // Out     Cameras, camera to IMU; each limit with what was measured; warnings.
 // Units   as cameras.h, imu_camera.h.
-// Errors  InputError by name, what to do: as cameras.h and imu_camera.h; two boards in view, blurred
-//         images, a recording full of holes.
+// Errors  InputError by name, what to do: as cameras.h and imu_camera.h; two boards in view,
+//         blurred images, a recording full of holes.
 // Cost    a minute of two cores for a minute of recording.
 // Source  PIRVS paper, section II.
 #pragma once

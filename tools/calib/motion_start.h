@@ -5,7 +5,8 @@
 // Frames  T: the board; B: the IMU; C: the left camera.
 // Units   s: t_imu = t_camera + offset.
 // Errors  InputError by name: too little turning, clocks apart by more than kOffset_s_max, gyro in
-//         degrees, accelerometer in g, a board of another size, samples that have nothing to do with the images.
+//         degrees, accelerometer in g, a board of another size, samples that have nothing to do with
+//         the images.
 // Cost    ~0.2 s for 70 s.
 // Source  turn rates of both: Wahba's problem for each offset, the best offset by its residual.
 #pragma once

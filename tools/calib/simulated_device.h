@@ -1,5 +1,5 @@
-// What    A simulated device by seed and a recording of a board that it makes, moved by a hand: images
-//         of tags as exact places with noise, or drawn (board_camera.h); IMU samples with scale,
+// What    A simulated device by seed and a recording of a board that it makes, moved by a hand:
+//         images of tags as exact places with noise, or drawn (board_camera.h); IMU samples with scale,
 //         misalignment, biases and a clock of their own.
 // In      A seed; how the recording is.
 // Out     The truth; shots and samples as the files of a recording have them.
