@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include "core/math/so3.h"
+#include "core/math/trig.h"
 #include "modules/testing.h"
 
 namespace pirvs {
@@ -46,9 +48,12 @@ TEST(epipolar_turn, one_that_is_bent_is_told_by_how_much) {
   for (const Vec3& degrees : {Vec3(0.5, 0, 0), Vec3(-1, 0, 0), Vec3(0, 0, 1), Vec3(0, 0, -0.5),
                               Vec3(0, 1, 0), Vec3(0.4, 0.3, -0.6)}) {
     const EpipolarTurn turn = seen(degrees * kDegree);
-    EXPECT_TRUE(turn.disagrees()) << degrees.transpose();
+    SCOPED_TRACE(::testing::PrintToString(degrees.x()) + " " +
+                 ::testing::PrintToString(degrees.y()) + " " +
+                 ::testing::PrintToString(degrees.z()));
+    EXPECT_TRUE(turn.disagrees());
     const Vec3 turn_B = rig.camera[1].T_BC.R * degrees * kDegree;
-    EXPECT_LT((turn.estimate().turn_B - turn_B).norm(), 0.15 * kDegree) << degrees.transpose();
+    EXPECT_LT((turn.estimate().turn_B - turn_B).norm(), 0.15 * kDegree);
   }
 }
 

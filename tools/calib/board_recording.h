@@ -15,6 +15,9 @@
 namespace pirvs::tools {
 
 struct DrawnRecording {
+  // A detector needs whole tags, so that wider swings have to bring them to the rims.
+  DrawnRecording() { motion.turning = 1.3, motion.moving = 1.2; }
+
   SimulatedRecording motion;
   BoardLight light;
   double exposure_s = 0.004;

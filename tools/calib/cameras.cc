@@ -221,7 +221,8 @@ CameraResult calibrate_model(const Target& target, const std::vector<Shot>& shot
     if (views.size() < kViewsMin) {
       throw InputError("the board is seen in too few images",
                        "cam" + std::to_string(c) + ", " + std::to_string(views.size()),
-                       "record it for a minute, from near and far, tilted, all over the image");
+                       "record it for a minute, from near and far, tilted, all over the image; "
+                       "blurred images show no tags: more light, shorter exposure");
     }
     out.rig.camera[c] = calibrate_alone(target, model, size, views);
   }

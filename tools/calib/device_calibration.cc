@@ -8,7 +8,8 @@
 namespace pirvs::tools {
 namespace {
 
-constexpr double kTwice = 0.1;       // of all tags
+// Of all tags: those of a second board that are seen alone are taken for ours.
+constexpr double kTwice = 0.03;
 constexpr double kBlurred_px = 0.5;  // noise of a tag
 constexpr double kOffsetOdd_s = 0.05;
 constexpr double kHoles = 0.02, kHoles_max = 0.3;  // of the frames

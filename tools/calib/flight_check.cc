@@ -309,8 +309,8 @@ class Judge {
       add(std::string("right camera against left, about C0's ") + axes[i], "degrees", kRight + i,
           kDegrees, 0.2);
     }
-    add("focal length of both cameras", "%", kFocal, 100, 0.6);
-    add("focal length of the right one", "%", kOther, 100, 0.6);
+    add("focal length of both cameras", "%", kFocal, 100, 0.5);
+    add("focal length of the right one", "%", kOther, 100, 0.5);
     return out;
   }
 

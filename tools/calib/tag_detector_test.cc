@@ -8,6 +8,7 @@
 #include "core/math/so3.h"
 #include "modules/testing.h"
 #include "tools/calib/board_camera.h"
+#include "tools/calib/board_drawing.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
