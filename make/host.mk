@@ -48,8 +48,7 @@ UNREACHED := $(if $(SAN),,%_command.cc %_view.cc tools/convert/% tools/ros2/% \
   $(addprefix tools/view/,server.cc view.cc image_encoder.cc serial_commands.cc system_load.cc) \
   $(addprefix tools/run/,run.cc run_mcap.cc robot_output.cc) \
   $(addprefix tools/info/,image_turn.cc info_report.cc stereo_sense.cc) \
-  $(addprefix tools/calib/,corner_input.cc device_calibration.cc flight_check.cc flight_points.cc \
-  result_files.cc))
+  $(addprefix tools/calib/,corner_input.cc flight_check.cc flight_points.cc))
 # The parsers and the sensor door, and no more: clang compiles them a second time.
 FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/number.cc \
   core/base/text% modules/app/app_params.cc modules/app/intake.cc modules/calibration/% \

@@ -361,7 +361,7 @@ async function lookAtRun(page, out) {
 
 // ---- pictures of the docs -----------------------------------------------------------------------
 
-// As a screen of many pixels draws it, and in few colours, for a small file.
+// As a screen of many pixels draws it; WebP, for a small file.
 async function take(page, name) {
   await page.evaluate(() => {
     pirvsView.view.ratioMax = 2;
@@ -369,16 +369,12 @@ async function take(page, name) {
   });
   await page.evaluate(() => new Promise(requestAnimationFrame));
   const png = await page.screenshot();
-  const small = await page.evaluate(async (base64) => {
+  const webp = await page.evaluate(async (base64) => {
     const bytes = Uint8Array.from(atob(base64), (letter) => letter.charCodeAt(0));
     const bitmap = await createImageBitmap(new Blob([bytes], {type: 'image/png'}));
     const canvas = new OffscreenCanvas(bitmap.width, bitmap.height);
-    const g = canvas.getContext('2d');
-    g.drawImage(bitmap, 0, 0);
-    const image = g.getImageData(0, 0, bitmap.width, bitmap.height);
-    image.data.forEach((v, i) => { image.data[i] = i % 4 === 3 ? 255 : Math.min(255, (v + 4) & ~7); });
-    g.putImageData(image, 0, 0);
-    const blob = await canvas.convertToBlob({type: 'image/png'});
+    canvas.getContext('2d').drawImage(bitmap, 0, 0);
+    const blob = await canvas.convertToBlob({type: 'image/webp', quality: 0.8});
     const url = await new Promise((done) => {
       const reader = new FileReader();
       reader.onload = () => done(reader.result);
@@ -386,7 +382,7 @@ async function take(page, name) {
     });
     return url.split(',')[1];
   }, png.toString('base64'));
-  fs.writeFileSync(`${folder}/${name}.png`, Buffer.from(small, 'base64'));
+  fs.writeFileSync(`${folder}/${name}.webp`, Buffer.from(webp, 'base64'));
 }
 
 async function pictures(page) {

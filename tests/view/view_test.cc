@@ -166,7 +166,7 @@ TEST(view, pictures_of_the_docs_are_drawn_anew) {
         "/monday.map");
   pirvs("run " + folder + "/tuesday --out " + folder + "/run --load-map " + folder + "/monday.map");
   const json seen = looked_at("pictures", folder + "/tuesday", folder);
-  for (const char* const name : {"view-dark.png", "view-light.png", "view-run.png"}) {
+  for (const char* const name : {"view-dark.webp", "view-light.webp", "view-run.webp"}) {
     const fs::path picture = fs::path(folder) / name;
     ASSERT_TRUE(fs::exists(picture)) << seen;
     EXPECT_GT(fs::file_size(picture), 30'000) << name;
