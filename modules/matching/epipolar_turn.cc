@@ -1,5 +1,6 @@
 #include "modules/matching/epipolar_turn.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <Eigen/Geometry>
@@ -39,7 +40,8 @@ void EpipolarTurn::add(const Vec3& f_C0, const Vec3& f_C1) {
   const double kept = 1 - 1 / kMemory;
   information_ = kept * information_ + weight * J * J.transpose();
   score_ = kept * score_ - weight * off_rad * J;
-  matches_ = kept * matches_ + 1;
+  // Strays vote against: where they are many, no turn explains what is seen.
+  matches_ = std::max(0.0, kept * matches_ + (square(stray) < 1 ? 1 : -1));
   turn_C1_ = covariance() * score_;
 }
 
