@@ -26,7 +26,7 @@ void TurnCheck::add(const Camera& camera, const Tracks& tracks, const Vec3& turn
   last_ = {seen_B / dt_s, turn_B / dt_s};
   if (!had_last) return;
   const Vec3 image_B = last_.image_B - before.image_B, gyro_B = last_.gyro_B - before.gyro_B;
-  const double kept = std::exp(-gyro_B.squaredNorm() / kMemory);
+  const double kept = kMemory / (kMemory + gyro_B.squaredNorm());
   cross_ = kept * cross_ + image_B * gyro_B.transpose();
   gyro_ = kept * gyro_ + gyro_B * gyro_B.transpose();
 }
