@@ -22,26 +22,13 @@
 #include "board/library/pirvs.h"
 #include "modules/calibration/calibration_text.h"
 #include "tests/heap_guard.h"
+#include "tests/programs.h"
 #include "tests/recordings.h"
 #include "tests/replay.h"
 #include "tools/dataset/player.h"
 
 namespace pirvs::systems {
 namespace {
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder != nullptr ? folder : "build";
-}
-
-std::string said_by(const std::string& command) {
-  std::string out;
-  FILE* const pipe = popen(command.c_str(), "r");
-  char text[4096];
-  while (pipe != nullptr && std::fgets(text, sizeof text, pipe) != nullptr) out += text;
-  EXPECT_EQ(pclose(pipe), 0) << command << "\n" << out;
-  return out;
-}
 
 // The functions, by name, as a program has them that loads the library while it runs.
 struct Api {

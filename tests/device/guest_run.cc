@@ -1,4 +1,5 @@
 #include "tests/device/guest_run.h"
+#include "tests/programs.h"
 
 #include <cstdio>
 #include <cstdlib>
@@ -15,11 +16,6 @@ namespace pirvs::systems {
 namespace {
 
 constexpr double kDuration_s = 8;
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder ? folder : "build";
-}
 
 void write_guest_files(const tools::Recording& recording, const std::string& folder,
                        const GuestSetup& setup) {

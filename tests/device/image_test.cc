@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "modules/calibration/calibration_text.h"
+#include "tests/programs.h"
 #include "tests/recordings.h"
 #include "tools/dataset/pack_file.h"
 
@@ -28,11 +29,6 @@ struct Outcome {
   int status = -1;
   std::string said;
 };
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder ? folder : "build";
-}
 
 // Each test and its scenario, the longest first.
 struct Row {

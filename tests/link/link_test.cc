@@ -20,6 +20,7 @@
 
 #include "modules/link/link.h"
 #include "modules/testing.h"
+#include "tests/programs.h"
 #include "tests/recordings.h"
 #include "tools/dataset/trajectory.h"
 
@@ -28,22 +29,6 @@ namespace {
 
 using nlohmann::json;
 using namespace nlohmann::literals;
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder != nullptr ? folder : "build";
-}
-
-// Runs a command of the shell and gives what it has said; its exit status must be 0.
-std::string said_by(const std::string& command) {
-  std::string out;
-  FILE* const pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return out;
-  char text[4096];
-  while (std::fgets(text, sizeof text, pipe) != nullptr) out += text;
-  EXPECT_EQ(pclose(pipe), 0) << command << "\n" << out;
-  return out;
-}
 
 std::string client(const std::string& arguments) {
   return "NODE_PATH=" + build_folder() + "/link/node_modules node tests/link/client.cjs " +

@@ -13,6 +13,7 @@
 #include <sstream>
 
 #include "tests/logs/clip_part.h"
+#include "tests/programs.h"
 #include "tests/recordings.h"
 #include "tests/replay.h"
 #include "tools/convert/writers.h"
@@ -24,22 +25,10 @@ namespace {
 
 namespace fs = std::filesystem;
 
-std::string build() {
-  const char* const build = std::getenv("PIRVS_BUILD");
-  return build != nullptr ? build : "build";
-}
-
 // What an independent reader prints; empty: it failed.
 std::string read_by_npm(const std::string& mcap) {
-  const std::string command =
-      "NODE_PATH=" + build() + "/logs/node_modules node tests/logs/read_mcap.cjs " + mcap;
-  std::string out;
-  std::FILE* const pipe = popen(command.c_str(), "r");
-  if (pipe == nullptr) return out;
-  char text[4096];
-  while (const size_t got = std::fread(text, 1, sizeof text, pipe)) out.append(text, got);
-  EXPECT_EQ(pclose(pipe), 0) << command;
-  return out;
+  return said_by("NODE_PATH=" + build_folder() +
+                 "/logs/node_modules node tests/logs/read_mcap.cjs " + mcap);
 }
 
 bool has_line(const std::string& text, const std::string& line) {
@@ -110,7 +99,7 @@ TEST(convert, writes_what_is_played_of_turned_images) {
 TEST(run_mcap, holds_what_the_other_files_say) {
   if (clip() == nullptr) GTEST_SKIP() << "no clip";
   const std::string out = scratch_folder("run_mcap");
-  const std::string command = build() + "/host/pirvs run " + clip()->folder +
+  const std::string command = build_folder() + "/host/pirvs run " + clip()->folder +
                               " --duration 4 --mcap --record " + out + "/input.mcap --out " + out +
                               " > " + out + ".txt 2>&1";
   ASSERT_EQ(std::system(command.c_str()), 0) << content(out + ".txt");

@@ -22,17 +22,13 @@
 #include "modules/imu/imu_noise.h"
 #include "modules/stream/stream.h"
 #include "modules/testing.h"
+#include "tests/programs.h"
 #include "tests/recordings.h"
 
 namespace pirvs::systems {
 namespace {
 
 constexpr int kPoses = 200;
-
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder != nullptr ? folder : "build";
-}
 
 Pose pose_of(int k, testing::Random& random) {
   Pose pose;

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "tests/programs.h"
 #include "tests/recordings.h"
 
 namespace pirvs::systems {
@@ -20,26 +21,14 @@ namespace {
 using nlohmann::json;
 namespace fs = std::filesystem;
 
-std::string build_folder() {
-  const char* const folder = std::getenv("PIRVS_BUILD");
-  return folder != nullptr ? folder : "build";
-}
-
 // The last line of what it says.
 json looked_at(const std::string& what, const std::string& source, const std::string& folder) {
   const std::string command = "NODE_PATH=" + build_folder() +
                               "/view-test/node_modules timeout 180 node tests/view/browser.cjs " +
                               build_folder() + "/host/pirvs " + what + " " + source + " " + folder;
-  std::string line, last;
-  FILE* const pipe = popen(command.c_str(), "r");
-  char text[4096];
-  while (pipe != nullptr && std::fgets(text, sizeof text, pipe) != nullptr) {
-    line += text;
-    if (line.back() != '\n') continue;
-    last = line;
-    line.clear();
-  }
-  EXPECT_EQ(pclose(pipe), 0) << command;
+  std::string last = said_by(command);
+  const size_t end = last.size() > 1 ? last.rfind('\n', last.size() - 2) : std::string::npos;
+  if (end != std::string::npos) last.erase(0, end + 1);
   std::printf("%s", last.c_str());
   const json out = json::parse(last, nullptr, false);
   EXPECT_TRUE(out.is_object()) << last;
