@@ -32,17 +32,21 @@ void put_camera_yaml(TextWriter& text, const Camera& camera, TimeNs offset) {
   text.put("timeshift_cam_imu: ").exact(to_seconds(offset)).put("\n");
 }
 
+void put_intrinsics(TextWriter& text, const ImuIntrinsics& intrinsics) {
+  if (!intrinsics.given()) return;
+  put_matrix(text, "gyroscope_matrix", intrinsics.gyro);
+  put_list(text, "gyroscope_bias", intrinsics.b_g.data(), 3);
+  put_matrix(text, "accelerometer_matrix", intrinsics.accel);
+  put_list(text, "accelerometer_bias", intrinsics.b_a.data(), 3);
+}
+
 void put_imu_yaml(TextWriter& text, const ImuNoise& noise, const ImuIntrinsics& intrinsics) {
   text.put("sensor_type: imu\nrate_hz: ").exact(noise.rate_hz);
   text.put("\ngyroscope_noise_density: ").exact(noise.gyro_noise);
   text.put("\ngyroscope_random_walk: ").exact(noise.gyro_walk);
   text.put("\naccelerometer_noise_density: ").exact(noise.accel_noise);
   text.put("\naccelerometer_random_walk: ").exact(noise.accel_walk).put("\n");
-  if (!intrinsics.given()) return;
-  put_matrix(text, "gyroscope_matrix", intrinsics.gyro);
-  put_list(text, "gyroscope_bias", intrinsics.b_g.data(), 3);
-  put_matrix(text, "accelerometer_matrix", intrinsics.accel);
-  put_list(text, "accelerometer_bias", intrinsics.b_a.data(), 3);
+  put_intrinsics(text, intrinsics);
 }
 
 }  // namespace pirvs

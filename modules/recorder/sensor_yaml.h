@@ -16,7 +16,7 @@ namespace pirvs {
 
 // `offset` as in calibration.h: the stamp on the IMU's clock is that of the camera and `offset`.
 void put_camera_yaml(TextWriter& text, const Camera& camera, TimeNs offset);
-// Intrinsics where something is given.
+void put_intrinsics(TextWriter& text, const ImuIntrinsics& intrinsics);  // nothing: not given
 void put_imu_yaml(TextWriter& text, const ImuNoise& noise, const ImuIntrinsics& intrinsics);
 
 }  // namespace pirvs

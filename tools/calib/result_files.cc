@@ -1,49 +1,19 @@
 #include "tools/calib/result_files.h"
 
 #include <cmath>
-#include <cstdarg>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "modules/calibration/calibration_text.h"
 #include "modules/recorder/sensor_yaml.h"
 #include "tools/dataset/calibration_file.h"
-#include "tools/dataset/input_error.h"
+#include "tools/dataset/text_file.h"
 
 namespace pirvs::tools {
 namespace {
 
 using Json = nlohmann::json;
 
-class Text {
- public:
-  explicit Text(const std::string& path) : path_(path) {
-    std::error_code error;
-    std::filesystem::create_directories(std::filesystem::path(path).parent_path(), error);
-    file_.open(path);
-  }
-  __attribute__((format(printf, 2, 3))) void print(const char* format, ...) {
-    char text[512];
-    va_list args;
-    va_start(args, format);
-    std::vsnprintf(text, sizeof text, format, args);
-    va_end(args);
-    file_ << text;
-  }
-  void put(const char* text) { file_ << text; }
-  void finish() {
-    file_.close();
-    if (!file_) throw InputError("cannot write", path_, "check space and permissions");
-  }
-
- private:
-  std::string path_;
-  std::ofstream file_;
-};
-
-void print_rows(Text& file, const char* key, const SE3& T) {
+void print_rows(TextFile& file, const char* key, const SE3& T) {
   file.print("  %s:\n", key);
   for (int i = 0; i < 3; ++i) {
     file.print("  - [%.15g, %.15g, %.15g, %.15g]\n", T.R(i, 0), T.R(i, 1), T.R(i, 2), T.p[i]);
@@ -51,7 +21,7 @@ void print_rows(Text& file, const char* key, const SE3& T) {
   file.print("  - [0.0, 0.0, 0.0, 1.0]\n");
 }
 
-void print_lens(Text& file, const Camera& camera) {
+void print_lens(TextFile& file, const Camera& camera) {
   const char* const indent = "  ";
   file.print("%scamera_model: pinhole\n%sintrinsics: [%.12g, %.12g, %.12g, %.12g]\n", indent,
              indent, camera.fx, camera.fy, camera.cx, camera.cy);
@@ -98,23 +68,23 @@ const char* model_name(CameraModel model) {
 void write_sensor_files(const std::string& folder, const CameraRig& rig, const double* offset_s,
                         const FoundImu* imu) {
   for (int c = 0; c < rig.cameras; ++c) {
-    ::pirvs::Text<4096> text;
+    Text<4096> text;
     put_camera_yaml(text, rig.camera[c], from_seconds(offset_s[c]));
-    Text file(folder + "/mav0/cam" + std::to_string(c) + "/sensor.yaml");
+    TextFile file(folder + "/mav0/cam" + std::to_string(c) + "/sensor.yaml");
     file.put(text.c_str());
     file.finish();
   }
   if (imu == nullptr) return;
-  ::pirvs::Text<4096> text;
+  Text<4096> text;
   put_imu_yaml(text, imu->noise, imu->intrinsics);
-  Text file(folder + "/mav0/imu0/sensor.yaml");
+  TextFile file(folder + "/mav0/imu0/sensor.yaml");
   file.put(text.c_str());
   file.finish();
 }
 
 void write_camchain(const std::string& folder, const CameraRig& rig, const double* offset_s,
                     const FoundImu* imu) {
-  Text file(folder + (imu != nullptr ? "/camchain-imucam.yaml" : "/camchain.yaml"));
+  TextFile file(folder + (imu != nullptr ? "/camchain-imucam.yaml" : "/camchain.yaml"));
   for (int c = 0; c < rig.cameras; ++c) {
     const Camera& camera = rig.camera[c];
     file.print("cam%d:\n", c);
@@ -137,17 +107,17 @@ void write_device_file(const std::string& path, const CameraRig& rig, const doub
   calibration.imu_intrinsics = imu.intrinsics;
   calibration.camera_time_offset_ns = from_seconds(offset_s[0]);
   check_sense(calibration, path);
-  ::pirvs::Text<kCalibrationTextMax> text;
+  Text<kCalibrationTextMax> text;
   write_calibration(calibration, text);
-  Text file(path);
+  TextFile file(path);
   file.put("# Written by `pirvs calib`.\n");
   file.put(text.c_str());
   file.finish();
 }
 
 void write_imu_yaml(const std::string& path, const FoundImu& imu) {
-  Text file(path);
-  ::pirvs::Text<4096> text;
+  TextFile file(path);
+  Text<4096> text;
   put_imu_yaml(text, imu.noise, imu.intrinsics);
   file.put(text.c_str());
   file.print("update_rate: %g\nrostopic: /imu0\n", imu.noise.rate_hz);
@@ -218,12 +188,9 @@ Json imu_json(const ImuCameraResult& r) {
 }
 
 void write_json(const std::string& path, const Json& json) {
-  Text file(path);
+  TextFile file(path);
+  file.put((json.dump(2) + '\n').c_str());
   file.finish();
-  std::ofstream out(path);
-  out << json.dump(2) << '\n';
-  out.close();
-  if (!out) throw InputError("cannot write", path, "check space and permissions");
 }
 
 }  // namespace pirvs::tools

@@ -7,6 +7,7 @@
 #include "tools/convert/image_files.h"
 #include "tools/convert/writers.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/text_file.h"
 
 namespace pirvs::tools {
 namespace {
@@ -14,25 +15,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t kRow = 1024;
-
-// A text file that is whole or fails.
-class TextFile {
- public:
-  explicit TextFile(const std::string& path) : path_(path), file_(path, std::ios::binary) {}
-  TextFile& operator<<(const char* text) {
-    file_ << text;
-    return *this;
-  }
-  TextFile& operator<<(const TextWriter& text) { return *this << text.c_str(); }
-  void finish() {
-    file_.close();
-    if (!file_) throw InputError("cannot write", path_, "check space and permissions");
-  }
-
- private:
-  std::string path_;
-  std::ofstream file_;
-};
 
 // Gone unless it got its name.
 class Unfinished {
@@ -73,7 +55,7 @@ void write_camera_yaml(const std::string& folder, const Camera& camera, TimeNs s
   Text<4096> text;
   put_camera_yaml(text, camera, shift);
   TextFile file(folder + "/sensor.yaml");
-  file << text;
+  file.put(text.c_str());
   file.finish();
 }
 
@@ -81,15 +63,16 @@ void write_imu(const std::string& folder, const Recording& recording) {
   Text<2048> text;
   put_imu_yaml(text, recording.calibration.imu, recording.calibration.imu_intrinsics);
   TextFile yaml(folder + "/sensor.yaml"), table(folder + "/data.csv");
-  yaml << text;
-  table << "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,"
-           "a_RS_S_z\n";
+  yaml.put(text.c_str());
+  table.put(
+      "#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],a_RS_S_y,"
+      "a_RS_S_z\n");
   for (const ImuSample& sample : recording.imu) {
     Text<kRow> row;
     row.number(sample.t);
     put_triple(row, sample.w_B);
     put_triple(row, sample.f_B);
-    table << row.put('\n');
+    table.put(row.put('\n').c_str());
   }
   yaml.finish();
   table.finish();
@@ -98,12 +81,13 @@ void write_imu(const std::string& folder, const Recording& recording) {
 void write_truth(const std::string& folder, const Trajectory& truth) {
   make_folder(folder);
   TextFile table(folder + "/data.csv");
-  table << "#timestamp [ns],p_RS_R_x [m],p_RS_R_y,p_RS_R_z,q_RS_w [],q_RS_x,q_RS_y,q_RS_z";
+  table.put("#timestamp [ns],p_RS_R_x [m],p_RS_R_y,p_RS_R_z,q_RS_w [],q_RS_x,q_RS_y,q_RS_z");
   if (truth.full_state) {
-    table << ",v_RS_R_x [m s^-1],v_RS_R_y,v_RS_R_z,b_w_RS_S_x [rad s^-1],b_w_RS_S_y,b_w_RS_S_z,"
-             "b_a_RS_S_x [m s^-2],b_a_RS_S_y,b_a_RS_S_z";
+    table.put(
+        ",v_RS_R_x [m s^-1],v_RS_R_y,v_RS_R_z,b_w_RS_S_x [rad s^-1],b_w_RS_S_y,b_w_RS_S_z,"
+        "b_a_RS_S_x [m s^-2],b_a_RS_S_y,b_a_RS_S_z");
   }
-  table << "\n";
+  table.put("\n");
   for (const TrajectoryPose& pose : truth.poses) {
     Text<kRow> row;
     row.number(pose.t);
@@ -112,7 +96,7 @@ void write_truth(const std::string& folder, const Trajectory& truth) {
     if (truth.full_state) {
       for (const Vec3* v : {&pose.v_WB, &pose.b_g, &pose.b_a}) put_triple(row, *v);
     }
-    table << row.put('\n');
+    table.put(row.put('\n').c_str());
   }
   table.finish();
 }
@@ -135,7 +119,7 @@ void write_images(const std::string& mav0, const Recording& recording, const Fra
     write_camera_yaml(folder, recording.calibration.camera[c],
                       recording.calibration.camera_time_offset_ns);
     tables.emplace_back(folder + "/data.csv");
-    tables.back() << "#timestamp [ns],filename\n";
+    tables.back().put("#timestamp [ns],filename\n");
   }
   ImageFiles images(recording);
   for (size_t i = 0; i < recording.frames.size(); ++i) {
@@ -146,7 +130,7 @@ void write_images(const std::string& mav0, const Recording& recording, const Fra
       if (image[c].format.empty()) continue;
       const std::string name = t + "." + image[c].format;
       write_image(mav0 + "/cam" + std::to_string(c) + "/data/" + name, image[c]);
-      tables[size_t(c)] << (t + "," + name + "\n").c_str();
+      tables[size_t(c)].put((t + "," + name + "\n").c_str());
     }
     done(i + 1);
   }

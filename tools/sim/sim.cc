@@ -10,10 +10,13 @@
 #include <thread>
 #include <vector>
 
+#include "core/base/text.h"
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapping_params.h"
+#include "modules/recorder/sensor_yaml.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/text_file.h"
 #include "tools/sim/motion.h"
 #include "tools/sim/random.h"
 #include "tools/sim/render.h"
@@ -33,30 +36,6 @@ struct Job {
   Path path;
   Scene scene;
   std::vector<double> frame_s;
-};
-
-class Text {
- public:
-  explicit Text(const std::string& path) : path_(path), file_(std::fopen(path.c_str(), "wb")) {
-    if (!file_) throw InputError("cannot write", path, "check the folder given with --out");
-  }
-  ~Text() { std::fclose(file_); }
-  Text(const Text&) = delete;
-  Text& operator=(const Text&) = delete;
-
-  template <class... Args>
-  void print(const char* format, Args... args) {
-    std::fprintf(file_, format, args...);
-  }
-  void finish() {
-    if (std::fflush(file_) != 0 || std::ferror(file_) != 0) {
-      throw InputError("cannot write", path_, "check space and permissions");
-    }
-  }
-
- private:
-  std::string path_;
-  std::FILE* file_;
 };
 
 using LongLong = long long;  // what %lld prints
@@ -165,7 +144,7 @@ SceneOptions make_scene_options(const SimOptions& options, const Pillar& pillar)
   return out;
 }
 
-void write_transform(Text& file, const SE3& T) {
+void write_transform(TextFile& file, const SE3& T) {
   file.print("T_BS:\n  cols: 4\n  rows: 4\n  data: [");
   for (int i = 0; i < 3; ++i) {
     file.print("%.15g, %.15g, %.15g, %.15g,\n         ", T.R(i, 0), T.R(i, 1), T.R(i, 2), T.p[i]);
@@ -176,7 +155,7 @@ void write_transform(Text& file, const SE3& T) {
 void write_camera(const Job& job, int c) {
   const std::string folder = job.options.out + "/mav0/cam" + std::to_string(c);
   const Camera& camera = job.device.calibration.camera[c];
-  Text sensor(folder + "/sensor.yaml");
+  TextFile sensor(folder + "/sensor.yaml");
   sensor.print("sensor_type: camera\ncomment: simulated %s cam%d\n", job.device.name, c);
   write_transform(sensor, camera.T_BC);
   sensor.print("rate_hz: %g\nresolution: [%d, %d]\ncamera_model: pinhole\n",
@@ -189,26 +168,13 @@ void write_camera(const Job& job, int c) {
                camera.d[2], camera.d[3]);
   const TimeNs offset = job.device.calibration.camera_time_offset_ns;
   if (offset != 0) sensor.print("timeshift_cam_imu: %.9f\n", to_seconds(offset));
-  Text list(folder + "/data.csv");
+  TextFile list(folder + "/data.csv");
   list.print("#timestamp [ns],filename\n");
   for (size_t i = 0; i < job.frame_s.size(); ++i) {
     list.print("%lld,%s\n", LongLong(frame_stamp(job, i)), image_name(job, i).c_str());
   }
   sensor.finish();
   list.finish();
-}
-
-void write_intrinsics(Text& file, const ImuIntrinsics& imu) {
-  const auto list = [&file](const char* key, const double* values, int count) {
-    file.print("%s: [", key);
-    for (int i = 0; i < count; ++i) file.print(i + 1 < count ? "%.12g, " : "%.12g]\n", values[i]);
-  };
-  if (!imu.given()) return;
-  const Mat3 gyro = imu.gyro.transpose(), accel = imu.accel.transpose();  // by rows
-  list("gyroscope_matrix", gyro.data(), 9);
-  list("gyroscope_bias", imu.b_g.data(), 3);
-  list("accelerometer_matrix", accel.data(), 9);
-  list("accelerometer_bias", imu.b_a.data(), 3);
 }
 
 void write_imu(const Job& job) {
@@ -220,7 +186,7 @@ void write_imu(const Job& job) {
     model = {scaled(told, ImuParams{}), double(expected.start_sigma_gyro_bias),
              double(expected.start_sigma_accel_bias)};
   }
-  Text sensor(mav0 + "/imu0/sensor.yaml");
+  TextFile sensor(mav0 + "/imu0/sensor.yaml");
   sensor.print("sensor_type: imu\ncomment: simulated %s IMU\n", job.device.name);
   write_transform(sensor, SE3{});
   // A recording without noise still needs densities above zero to be estimated with.
@@ -231,16 +197,18 @@ void write_imu(const Job& job) {
   sensor.print("accelerometer_noise_density: %.6g\n", density(told.accel_noise, 1e-4));
   sensor.print("accelerometer_random_walk: %.6g\n", density(told.accel_walk, 1e-5));
   const ImuIntrinsics& errors = job.device.calibration.imu_intrinsics;
-  write_intrinsics(sensor, errors);
-  Text samples(mav0 + "/imu0/data.csv");
+  Text<2048> intrinsics;
+  put_intrinsics(intrinsics, errors);
+  sensor.put(intrinsics.c_str());
+  TextFile samples(mav0 + "/imu0/data.csv");
   samples.print("#timestamp [ns],w_RS_S_x [rad s^-1],w_RS_S_y,w_RS_S_z,a_RS_S_x [m s^-2],");
   samples.print("a_RS_S_y,a_RS_S_z\n");
-  Text truth(mav0 + "/state_groundtruth_estimate0/data.csv");
+  TextFile truth(mav0 + "/state_groundtruth_estimate0/data.csv");
   truth.print("#timestamp [ns],p_RS_R_x [m],p_RS_R_y,p_RS_R_z,q_RS_w [],q_RS_x,q_RS_y,q_RS_z,");
   truth.print("v_RS_R_x [m s^-1],v_RS_R_y,v_RS_R_z,b_w_RS_S_x [rad s^-1],b_w_RS_S_y,");
   truth.print("b_w_RS_S_z,b_a_RS_S_x [m s^-2],b_a_RS_S_y,b_a_RS_S_z\n");
   for (const SimulatedImu& imu : simulate_imu(job.path, model, kBegin, job.options.seed)) {
-    const auto triple = [](Text& file, const Vec3& v) {
+    const auto triple = [](TextFile& file, const Vec3& v) {
       file.print(",%.9f,%.9f,%.9f", v.x(), v.y(), v.z());
     };
     samples.print("%lld", LongLong(imu.sample.t));
@@ -259,7 +227,7 @@ void write_imu(const Job& job) {
     triple(truth, imu.b_a);
     truth.print("\n");
   }
-  for (Text* file : {&sensor, &samples, &truth}) file->finish();
+  for (TextFile* file : {&sensor, &samples, &truth}) file->finish();
 }
 
 Exposure exposure_of(const Job& job, size_t frame, int camera) {
