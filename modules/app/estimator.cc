@@ -227,7 +227,7 @@ void Estimator::tell_calibration() {
     pair.put("the cameras disagree: ")
         .put(tracker_.left_out(frame_.t) == kRightAlone ? "cam1" : "cam0")
         .put(" is left out for a while; ");
-    const double turn_rad = tracker_.stereo().turn().estimate().turn_B.norm();
+    const double turn_rad = tracker_.stereo().turn().turn_B().norm();
     if (turn_rad > kBent_rad) {
       pair.put("they are turned against each other by about ")
           .fixed(turn_rad * 180 / kPi, 1)

@@ -11,7 +11,8 @@ namespace pirvs {
 namespace {
 
 using Mat4 = Eigen::Matrix<double, 4, 4>;
-// Of any of the sizes here: products of each size by itself took a compiler a minute.
+// Matrices and vectors of any size up to the state's: with a type for each size this file took a
+// minute to compile.
 using Block =
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kFusionErrors, kFusionErrors>;
 using Rows = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kFusionErrors, 1>;
@@ -47,10 +48,10 @@ double update_rows(FusionState& state, const Rows& r, const Block& H, const Bloc
   const Rows weighted = factor.solve(r);
   const double nis = r.dot(weighted);
   if (!(nis <= gate)) return nis;
-  const Block K = factor.solve(PH.transpose());  // its transpose
-  const Rows delta = K.transpose() * r;
+  const Block K_transposed = factor.solve(PH.transpose());
+  const Rows delta = K_transposed.transpose() * r;
   state = boxplus(state, delta);
-  state.cov -= K.transpose() * PH.transpose();
+  state.cov -= K_transposed.transpose() * PH.transpose();
   symmetrize(state.cov);
   return nis;
 }

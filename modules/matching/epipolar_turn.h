@@ -17,15 +17,11 @@ namespace pirvs {
 
 class EpipolarTurn {
  public:
-  struct Estimate {
-    Vec3 turn_B = Vec3::Zero();
-    double matches = 0;  // of the last few keyframes
-  };
   void configure(const Camera& c0, const Camera& c1);
   void add(const Vec3& f_C0, const Vec3& f_C1);
-  Estimate estimate() const { return {-R_BC1_ * turn_C1_, matches_}; }
+  Vec3 turn_B() const { return -R_BC1_ * turn_C1_; }
   bool disagrees() const;
-  void forget();  // nearly: they are to be asked anew
+  void forget();  // nearly all: the next matches decide anew
 
  private:
   Mat3 covariance() const;
@@ -36,7 +32,7 @@ class EpipolarTurn {
   Mat3 information_ = Mat3::Zero();
   Vec3 score_ = Vec3::Zero();
   Vec3 turn_C1_ = Vec3::Zero();
-  double matches_ = 0;
+  double matches_ = 0;  // that fit, less those that do not
 };
 
 }  // namespace pirvs

@@ -38,7 +38,7 @@ EpipolarTurn seen(const Vec3& turn_C1, int matches = 400, double strays = 0.1) {
 
 TEST(epipolar_turn, cameras_that_stand_as_calibrated_agree) {
   const EpipolarTurn turn = seen(Vec3::Zero());
-  EXPECT_LT(turn.estimate().turn_B.norm(), 0.1 * kDegree);
+  EXPECT_LT(turn.turn_B().norm(), 0.1 * kDegree);
   EXPECT_FALSE(turn.disagrees());
   EXPECT_FALSE(seen(Vec3(0.1 * kDegree, 0, 0.1 * kDegree)).disagrees());
 }
@@ -53,7 +53,7 @@ TEST(epipolar_turn, one_that_is_bent_is_told_by_how_much) {
                  ::testing::PrintToString(degrees.z()));
     EXPECT_TRUE(turn.disagrees());
     const Vec3 turn_B = rig.camera[1].T_BC.R * degrees * kDegree;
-    EXPECT_LT((turn.estimate().turn_B - turn_B).norm(), 0.15 * kDegree);
+    EXPECT_LT((turn.turn_B() - turn_B).norm(), 0.15 * kDegree);
   }
 }
 

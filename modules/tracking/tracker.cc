@@ -276,12 +276,13 @@ void Tracker::compare_turns(TimeNs t, uint8_t present, double dt_s) {
   associator_.compare(present, so3_log(motion.dR), dt_s, turn_check_);
 }
 
-// What a pair says that is turned against what was calibrated is no depth: not of a start, either.
-bool Tracker::cameras_squint(TimeNs t) {
+// Stereo gives wrong depths where the cameras stand turned other than calibrated: one of them goes
+// on alone, before a start as well as after it.
+bool Tracker::leave_out_turned(TimeNs t) {
   const EpipolarTurn& turn = keyframer_.stereo().turn();
   if (!turn.disagrees()) return false;
   PairCheck::Verdict pair;
-  pair.turn_B = turn.estimate().turn_B;
+  pair.turn_B = turn.turn_B();
   const SelfCalibration::Estimate both = estimate_.self_calibration().estimate();
   pair_check_.leave_out(t, pair, both.time_s, both.turn_B);
   keyframer_.forget_turn();
@@ -386,7 +387,7 @@ void Tracker::interrupt() {
 // A start continues where the last track ended, unless the map knows better.
 void Tracker::start(TimeNs t, uint8_t seen, FrameResult& result) {
   const Status status = initializer_.add_frame(t, seen, standstill_, keyframer_, associator_);
-  if (cameras_squint(t)) {
+  if (leave_out_turned(t)) {
     initializer_.fail();
     return;
   }
@@ -444,7 +445,7 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
   }
   keyframer_.clear_pairs();
   if (!alone) keyframer_.find_pairs(&T_WB, associator_);
-  if (!alone && cameras_squint(t)) return;
+  if (!alone && leave_out_turned(t)) return;
   result.keyframe = true;
   result.joined = !place_known_ && try_join(t);
   if (result.joined) return;

@@ -181,7 +181,7 @@ class Tracker {
   int fuse(Correspondences& correspondences);
   FrameEvidence evidence(TimeNs t, const FrameResult& result, int cells) const;
   void compare_cameras(TimeNs t, const Correspondences& correspondences);
-  bool cameras_squint(TimeNs t);
+  bool leave_out_turned(TimeNs t);
   void compare_turns(TimeNs t, uint8_t present, double dt_s);
   void relocalize(TimeNs t, FrameResult& result);
   bool recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB);
