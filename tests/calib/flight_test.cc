@@ -47,7 +47,6 @@ TEST(calibration, a_bump_is_seen_in_any_flight) {
 
 // What was found is taken out at the door: a flight whose IMU has scale, misalignment and bias.
 TEST(calibration, the_stack_takes_the_imus_errors_out) {
-  GTEST_SKIP() << "the flight without the correction is no worse: not looked into yet";
   const Recording& ideal = systems::simulated(systems::SimulatedDevice::kIronsides);
   Recording crooked = ideal;
   ImuIntrinsics& found = crooked.calibration.imu_intrinsics;
@@ -67,7 +66,14 @@ TEST(calibration, the_stack_takes_the_imus_errors_out) {
   systems::print("errors known", with);
   systems::print("errors unknown", without);
   EXPECT_LT(with.result.evaluation.ate_rmse_m, 1.1 * was.result.evaluation.ate_rmse_m);
-  EXPECT_GT(without.result.evaluation.ate_rmse_m, 1.5 * was.result.evaluation.ate_rmse_m);
+  // What is not taken out at the door the filter takes for bias: on a short flight its path is as
+  // good.
+  const auto bias_off_rad_s = [&was](const systems::Replay& run) {
+    const auto bias = [](const systems::Replay& r) { return r.log.frames.back().pose.state.b_g; };
+    return (bias(run) - bias(was)).norm();
+  };
+  EXPECT_LT(bias_off_rad_s(with), 0.005);
+  EXPECT_GT(bias_off_rad_s(without), 0.02);
 }
 
 // With what was found a device flies as well as with the truth; with the drawing's values it does
