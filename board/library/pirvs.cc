@@ -23,8 +23,8 @@ namespace {
 alignas(pirvs_slam) char memory[sizeof(pirvs_slam)];
 std::atomic<pirvs_slam*> the_one{nullptr};
 
-// How long each was in the first version of this interface: nobody has a shorter one. A struct that
-// has grown since keeps its number here.
+// Size of each struct in the first version of this interface, the least that a caller can have. For
+// a struct that has grown since, specialize it with the old size.
 template <class T>
 constexpr uint32_t kFirst = sizeof(T);
 static_assert(sizeof(pirvs_pose) == 808 && sizeof(pirvs_news) == 176 &&
@@ -36,7 +36,8 @@ bool is_ours(const pirvs_slam* slam) { return slam != nullptr && slam == the_one
 pirvs_status no_instance() { return refuse(PIRVS_BAD_ARGUMENT, "NULL, or destroyed already"); }
 pirvs_status no_size() { return refuse(PIRVS_BAD_ARGUMENT, "NULL, or its `size` is not set"); }
 
-// A caller's struct as we know it: fields that his header does not have are zero.
+// Copies a caller's struct, which may be of an older or newer header. Fields that it lacks are
+// zero.
 template <class T>
 bool take(const T* from, T& out) {
   if (from == nullptr || from->size < kFirst<T>) return false;

@@ -26,7 +26,7 @@ char calibration_text[kCalibrationTextMax];
 thread_local char reason[256];
 thread_local bool in_callback = false;
 
-// The enums of pirvs.h are ours.
+// The enums of pirvs.h have the values of the stack's own.
 static_assert(PIRVS_INITIALIZING == static_cast<int>(HealthState::kInitializing) &&
               PIRVS_TRACKING == static_cast<int>(HealthState::kTracking) &&
               PIRVS_DEGRADED == static_cast<int>(HealthState::kDegraded) &&

@@ -48,7 +48,7 @@ class Slam {
     SeenPoint point[kPointsMax];
   };
 
-  // Told changes of an App's resets as a count that goes on, whatever the App begins anew.
+  // Counts resets over the whole life of the instance: App's own count begins anew with each start.
   class Resets {
    public:
     uint32_t count(uint32_t told) {
@@ -83,14 +83,14 @@ class Slam {
   std::atomic<bool> started_{false};
   Status ended_ = Status::kOk;
 
-  // The door's core.
+  // Written and read on the core of the sensor door alone.
   int given_ = -1;  // consumer of App's poses, for the callback
   Vec3 w_B_ = Vec3::Zero();
   Resets frame_resets_, given_resets_;
-  // Those who read.
+  // Written and read by the program's reading thread alone.
   int taken_ = -1;  // consumer of App's poses, for next_pose()
   Resets taken_resets_;
-  // From one to the other.
+  // Written on the stack's threads, read by the program's.
   NewestRing<pirvs_pose, kPosesKept> frames_;
   NewestRing<pirvs_news, 16> news_;
   Mailbox<Points> points_;

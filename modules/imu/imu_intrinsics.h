@@ -1,7 +1,8 @@
-// What an IMU's readings differ in from what it feels: measured = matrix * true + bias, of either
-// sensor.
-// In      matrices with scale on the diagonal, misalignment beside it; a reading.
-// Out     apply(): what was felt. What the biases have walked since is the filter's to estimate.
+// Deterministic errors of an IMU, scale, misalignment and bias: measured = matrix * true + bias,
+// for the gyro and the accelerometer each.
+// In      matrices with scale on the diagonal, misalignment beside it; a sample as measured.
+// Out     apply(): the sample without these errors. How biases have changed since the calibration,
+//         the filter estimates.
 // Frames  B: axes and place of the accelerometer.
 // Units   rad/s, m/s^2.
 // Errors  none: nothing is touched, to the bit, unless something is given.

@@ -1,5 +1,5 @@
-// Tells how two cameras are turned against each other, other than as calibrated: by it, matches lie
-// off their epipolar planes.
+// Estimates the relative rotation between two cameras that the calibration does not account for,
+// from the distances of stereo matches to their epipolar planes.
 // In      unit bearings of what both see, each in its own camera, however far off its plane.
 // Out     turn_B, so that the true R_BC1 is Exp(turn_B) times that of the calibration, as seen from
 //         camera 0.

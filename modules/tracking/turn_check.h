@@ -1,13 +1,13 @@
-// Tells whether gyro and image turn alike: axes that are exchanged, mirrored or of another sign
-// show there, before any start, and where one camera alone would find none.
+// Compares the rotation that the gyro measures with the rotation of the image. Axes of the IMU that
+// are exchanged, mirrored or of another sign show there, also before any start.
 // In      tracks of a camera from one frame to the next, and how far the gyro says that B turned.
 // Out     gain(): image turn = gain * gyro turn, as far as the turns so far tell; against().
 // Frames  B. Units: rad.
 // Errors  none. Axes about which nothing has turned unevenly have the gain 0.
 // Cost    ~10 us a frame, x86-64.
-// Source  own. A circle about what is near lets the image turn against the gyro, too: the flow of a
-//         translation looks like a turn. How the rates change from frame to frame is compared,
-//         which a steady circle has no part in.
+// Source  own. Translation, too, makes flow that looks like a rotation: on a circle around a near
+//         object the image even turns against the gyro. So the changes of both rates from frame to
+//         frame are compared, to which a steady circle adds nothing.
 #pragma once
 
 #include "core/camera/camera.h"

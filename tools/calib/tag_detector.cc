@@ -50,7 +50,7 @@ cv::Mat parted(const cv::Mat& image) {
   return out;
 }
 
-// False: a corner ran away.
+// Refines the four corners to sub-pixel; false where one moves too far from where it was detected.
 bool refine(const cv::Mat& image, Tag& tag) {
   std::vector<cv::Point2f> corners(tag.corner, tag.corner + 4);
   const int half = std::clamp(int(kBorder * tag.side_px * 0.75), 2, kWindow_max);
