@@ -35,6 +35,8 @@
 extern "C" {
 #endif
 
+/* Names as a C library has them. NOLINTBEGIN(readability-identifier-naming) */
+
 #define PIRVS_API __attribute__((visibility("default")))
 
 typedef struct pirvs_slam pirvs_slam;
@@ -216,6 +218,8 @@ PIRVS_API pirvs_status pirvs_load_map(pirvs_slam* slam, const char* name);
 PIRVS_API pirvs_status pirvs_stop(pirvs_slam* slam);
 /* Stops it if it runs; another may be created then. NULL is fine. [owner] */
 PIRVS_API void pirvs_destroy(pirvs_slam* slam);
+
+/* NOLINTEND(readability-identifier-naming) */
 
 #ifdef __cplusplus
 }

@@ -30,23 +30,23 @@ void draw_camera(const SimulatedDevice& device, const DrawnRecording& how,
   fs::create_directories(data, error);
   const BoardCamera camera(device.target, device.rig.camera[c]);
   const Target& target = device.target;
-  SE3 T_TOther;
-  T_TOther.p.x() = (1 + how.second_board) * target.columns * target.pitch_m();
+  SE3 T_TO;
+  T_TO.p.x() = (1 + how.second_board) * target.columns * target.pitch_m();
   std::string rows = "#timestamp [ns],filename\n";
   uint64_t seed = 2 * uint64_t(c);
   for (const TimeNs t : device.stamps(how.motion)) {
-    std::vector<SE3> T_CT, T_COther;
+    std::vector<SE3> T_CT, T_CO;
     for (int k = 0; k < kPoses; ++k) {
       const double late_s = how.exposure_s * ((k + 0.5) / kPoses - 0.5);
       const SE3 T_C0T = device.pose(how.motion, t + from_seconds(late_s));
       T_CT.push_back(c == 0 ? T_C0T : device.rig.T_C1C0 * T_C0T);
-      T_COther.push_back(T_CT.back() * T_TOther);
+      T_CO.push_back(T_CT.back() * T_TO);
     }
     seed += 4;
     cv::Mat image = camera.draw(T_CT, how.light, seed);
     if (how.second_board > 0) {
       // Beside the boards both are of the wall's grey, and their faces do not overlap.
-      const cv::Mat other = camera.draw(T_COther, how.light, seed + 1);
+      const cv::Mat other = camera.draw(T_CO, how.light, seed + 1);
       const double wall = (how.light.white + how.light.black) / 2;
       cv::Mat far_from_wall, far_other, take;
       cv::absdiff(image, cv::Scalar(wall), far_from_wall);

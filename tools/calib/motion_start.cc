@@ -8,6 +8,7 @@
 #include "core/math/so3.h"
 #include "modules/imu/gravity.h"
 #include "tools/calib/board_scale.h"
+#include "tools/dataset/gyro_integral.h"
 #include "tools/dataset/input_error.h"
 
 namespace pirvs::tools {
@@ -15,31 +16,6 @@ namespace {
 
 constexpr double kStep_s_max = 0.15;  // between images, for a turn rate
 constexpr double kTurning_rad_s = 0.2;
-
-// The gyro's angle since its first sample, to be read at any time: small turns add up.
-class TurnSum {
- public:
-  explicit TurnSum(const std::vector<ImuSample>& imu) : imu_(imu), sum_(imu.size()) {
-    sum_[0].setZero();
-    for (size_t i = 1; i < imu.size(); ++i) {
-      const double dt_s = to_seconds(imu[i].t - imu[i - 1].t);
-      sum_[i] = sum_[i - 1] + dt_s / 2 * (imu[i].w_B + imu[i - 1].w_B);
-    }
-  }
-  bool at(TimeNs t, Vec3& out) const {
-    const auto after = std::upper_bound(imu_.begin(), imu_.end(), t,
-                                        [](TimeNs a, const ImuSample& b) { return a < b.t; });
-    if (after == imu_.begin() || after == imu_.end()) return false;
-    const size_t i = size_t(after - imu_.begin());
-    const double s = to_seconds(t - imu_[i - 1].t) / to_seconds(imu_[i].t - imu_[i - 1].t);
-    out = sum_[i - 1] + s * (sum_[i] - sum_[i - 1]);
-    return true;
-  }
-
- private:
-  const std::vector<ImuSample>& imu_;
-  std::vector<Vec3> sum_;
-};
 
 struct Turn {
   TimeNs from, to;
@@ -66,13 +42,13 @@ struct Fit {
   double speed_rad_s = 0;   // of the camera, rms
 };
 
-Fit fit(const std::vector<Turn>& turns, const TurnSum& gyro, TimeNs offset) {
+Fit fit(const std::vector<Turn>& turns, const GyroIntegral& gyro, TimeNs offset) {
   std::vector<Vec3> w_B, w_C;
   Vec3 mean_B = Vec3::Zero(), mean_C = Vec3::Zero();
   for (const Turn& turn : turns) {
-    Vec3 a, b;
-    if (!gyro.at(turn.from + offset, a) || !gyro.at(turn.to + offset, b)) continue;
-    w_B.push_back((b - a) / to_seconds(turn.to - turn.from));
+    Vec3 w;
+    if (!gyro.rate(turn.from + offset, turn.to + offset, w)) continue;
+    w_B.push_back(w);
     w_C.push_back(turn.w_C);
     mean_B += w_B.back();
     mean_C += w_C.back();
@@ -164,7 +140,7 @@ void check_board_size(const std::vector<PosedShot>& shots, const std::vector<Imu
 MotionStart start_motion(const std::vector<PosedShot>& shots, const std::vector<ImuSample>& imu) {
   if (imu.size() < 100) throw InputError("too few samples", "the IMU", "record both together");
   const std::vector<Turn> turns = camera_turns(shots);
-  const TurnSum gyro(imu);
+  const GyroIntegral gyro(imu);
   constexpr TimeNs kStep = 1'000'000;
   const TimeNs most = from_seconds(kOffset_s_max);
   Fit best;

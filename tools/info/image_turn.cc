@@ -10,6 +10,7 @@
 #include <opencv2/video/tracking.hpp>
 
 #include "core/math/so3.h"
+#include "tools/dataset/gyro_integral.h"
 #include "tools/dataset/left_images.h"
 #include "tools/dataset/player.h"
 
@@ -18,42 +19,13 @@ namespace {
 
 constexpr double kDegree = M_PI / 180;
 
-// The gyro's rate between any two times, from its integral.
-class Turned {
- public:
-  explicit Turned(const std::vector<ImuSample>& samples) : samples_(samples), sum_(samples.size()) {
-    sum_[0].setZero();
-    for (size_t i = 1; i < samples.size(); ++i) {
-      const double dt = to_seconds(samples[i].t - samples[i - 1].t);
-      sum_[i] = sum_[i - 1] + (samples[i].w_B + samples[i - 1].w_B) * (dt / 2);
-    }
-  }
-  bool rate(TimeNs begin, TimeNs end, Vec3& w_B) const {
-    if (begin < samples_.front().t || end > samples_.back().t || begin >= end) return false;
-    w_B = (at(end) - at(begin)) / to_seconds(end - begin);
-    return true;
-  }
-
- private:
-  const std::vector<ImuSample>& samples_;
-  std::vector<Vec3> sum_;
-
-  Vec3 at(TimeNs t) const {
-    const auto next = std::lower_bound(samples_.begin(), samples_.end(), t,
-                                       [](const ImuSample& s, TimeNs time) { return s.t < time; });
-    const size_t i = std::max<size_t>(1, size_t(next - samples_.begin()));
-    const double share = double(t - samples_[i - 1].t) / double(samples_[i].t - samples_[i - 1].t);
-    return sum_[i - 1] + share * (sum_[i] - sum_[i - 1]);
-  }
-};
-
 struct Pair {
   TimeNs begin = 0, end = 0;
   Vec3 w_C = Vec3::Zero();
 };
 
 // Frames that follow each other and between which the body turns most.
-std::vector<size_t> choose(const Recording& recording, const Turned& gyro) {
+std::vector<size_t> choose(const Recording& recording, const GyroIntegral& gyro) {
   constexpr size_t kPairsMax = 120;
   const TimeNs offset = recording.calibration.camera_time_offset_ns;
   std::vector<std::pair<double, size_t>> all;
@@ -200,7 +172,7 @@ Fit fit_rates(const std::vector<Vec3>& w_B, const std::vector<Vec3>& w_C) {
   return out;
 }
 
-Fit fit_at(const std::vector<Pair>& pairs, const Turned& gyro, TimeNs offset) {
+Fit fit_at(const std::vector<Pair>& pairs, const GyroIntegral& gyro, TimeNs offset) {
   std::vector<Vec3> w_B, w_C;
   for (const Pair& pair : pairs) {
     Vec3 w;
@@ -225,7 +197,7 @@ ImageTurn compare_turns(const Recording& recording) {
   constexpr double kMisfit_max = 0.35;
   ImageTurn out;
   if (recording.imu.size() < 2 || recording.frames.size() < 2) return out;
-  const Turned gyro(recording.imu);
+  const GyroIntegral gyro(recording.imu);
   const std::vector<Pair> pairs = measure(recording, choose(recording, gyro));
   const TimeNs offset = recording.calibration.camera_time_offset_ns;
   Fit best;
