@@ -73,10 +73,15 @@ class StereoMatcher {
   void forget_turn() { turn_.forget(); }
 
  private:
+  // What the scan leaves: the best place, and another that may be as good between two steps.
+  struct Scanned {
+    Vec2 best, rival;
+    bool rivalled = false;
+  };
   StereoLoss scan(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                  const Vec2& uv_from, Vec2& uv_to) const;
-  StereoLoss refine(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                    const Vec2& uv_from, Vec2& uv_to);
+                  const Vec2& uv_from, Scanned& out) const;
+  StereoLoss check(int from, const PyramidStore& image_from, const PyramidStore& image_to,
+                   const Vec2& uv_from, const Vec2& uv_to);
   StereoLoss count(StereoLoss loss);
 
   Camera camera_[kCamerasMax];
