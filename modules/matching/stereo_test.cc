@@ -187,8 +187,8 @@ TEST(stereo, a_repeated_pattern_is_ambiguous) {
   EXPECT_LT(found, asked / 10);
 }
 
-// The steps of the scan fall on one field as on a copy of it by chance: which of them is nearer to a
-// step says nothing.
+// The steps of the scan fall on one field as on a copy of it by chance: which of them is nearer to
+// a step says nothing.
 TEST(stereo, corners_of_chequers_are_ambiguous_whatever_the_step) {
   for (const double field_px : {12.0, 20.0, 30.0}) {
     Wall wall(CameraModel::kPinholeRadtan, 2.0);
