@@ -6,8 +6,10 @@
 
 #include <Eigen/Geometry>
 
+#include "core/kernels/hamming/hamming.h"
 #include "core/kernels/lk/lk.h"
 #include "core/kernels/zssd/zssd.h"
+#include "modules/matching/matching_params.h"
 
 namespace pirvs {
 namespace {
@@ -71,13 +73,14 @@ StereoLoss StereoMatcher::find(int from, const PyramidStore& image_from,
   loss = align(image_from, image_to, uv_from, scanned.best, residual);
   if (loss != StereoLoss::kFound) return count(loss);
   if (residual > params_.residual_grey_max) return count(StereoLoss::kResidual);
-  if (scanned.rivalled &&
+  const bool ambiguous =
+      scanned.rivalled &&
       align(image_from, image_to, uv_from, scanned.rival, rival) == StereoLoss::kFound &&
-      residual >= kAlike * rival && (scanned.rival - scanned.best).norm() > params_.return_px_max) {
-    return count(StereoLoss::kAmbiguous);
-  }
+      residual >= kAlike * rival && (scanned.rival - scanned.best).norm() > params_.return_px_max;
   uv_to = scanned.best;
-  return count(check(from, image_from, image_to, uv_from, uv_to));
+  // Of what is ambiguous it is told as well how far off the epipolar curve it ends.
+  loss = check(from, image_from, image_to, uv_from, uv_to);
+  return count(loss == StereoLoss::kFound && ambiguous ? StereoLoss::kAmbiguous : loss);
 }
 
 StereoLoss StereoMatcher::find_near(int from, const PyramidStore& image_from,
@@ -181,6 +184,35 @@ StereoLoss StereoMatcher::check(int from, const PyramidStore& image_from,
     return StereoLoss::kEpipolar;
   }
   return StereoLoss::kFound;
+}
+
+void StereoMatcher::compare_looks(const Tracks& left, const Tracks& right) {
+  constexpr MatchingParams kLooks;
+  FixedVector<EpipolarTurn::Look, kTracksMax> looks;
+  for (const Track& track : left) {
+    if (!track.described) continue;
+    int distance = kHammingNone, second = kHammingNone;
+    const Track* best = nullptr;
+    for (const Track& other : right) {
+      if (!other.described) continue;
+      const int d = hamming(track.descriptor, other.descriptor);
+      if (d < distance) {
+        second = distance;
+        distance = d;
+        best = &other;
+      } else {
+        second = std::min(second, d);
+      }
+    }
+    EpipolarTurn::Look look;
+    if (best == nullptr || !is_match(kLooks, distance, second)) continue;
+    if (!camera_[0].unproject(Vec2(track.x, track.y), look.f_C0)) continue;
+    if (!camera_[1].unproject(Vec2(best->x, best->y), look.f_C1)) continue;
+    look.f_C0.normalize();
+    look.f_C1.normalize();
+    (void)looks.push_back(look);
+  }
+  turn_.add_looks(looks.data(), static_cast<int>(looks.size()));
 }
 
 StereoLoss StereoMatcher::count(StereoLoss loss) {

@@ -228,7 +228,7 @@ class Tracker {
   bool drift_told_ = false;  // to mapping, since then
   // The newest keyframe before the last dead reckoning whose drift no loop has closed; 0: none.
   uint32_t drifted_after_ = 0;
-  bool joining_ = false;     // mapping carries this epoch over to another by T_join_
+  bool joining_ = false;  // mapping carries this epoch over to another by T_join_
   SE3 T_join_;
   TrackingCounters counters_;
 };
