@@ -10,12 +10,24 @@ namespace {
 
 constexpr double kDepthMin = 1e-6;
 
-Vec2 radtan(const std::array<double, 12>& d, const Vec2& m) {
+// A sensor that is tilted by two angles about its x and y axes.
+Vec2 tilted(double tau_x, double tau_y, const Vec2& m) {
+  if (tau_x == 0 && tau_y == 0) return m;
+  const double cx = std::cos(tau_x), sx = std::sin(tau_x);
+  const double cy = std::cos(tau_y), sy = std::sin(tau_y);
+  Mat3 R;
+  R << cy, sx * sy, -sy * cx, 0, cx, sx, sy, -cy * sx, cy * cx;
+  const Vec3 p = R * Vec3(m.x(), m.y(), 1);
+  return {(R(2, 2) * p.x() - R(0, 2) * p.z()) / p.z(), (R(2, 2) * p.y() - R(1, 2) * p.z()) / p.z()};
+}
+
+Vec2 radtan(const std::array<double, 14>& d, const Vec2& m) {
   const double x = m.x(), y = m.y(), u = m.squaredNorm();
   const double radial =
       (1 + u * (d[0] + u * (d[1] + u * d[4]))) / (1 + u * (d[5] + u * (d[6] + u * d[7])));
-  return {x * radial + 2 * d[2] * x * y + d[3] * (u + 2 * x * x) + u * (d[8] + u * d[9]),
-          y * radial + d[2] * (u + 2 * y * y) + 2 * d[3] * x * y + u * (d[10] + u * d[11])};
+  return tilted(d[12], d[13],
+                {x * radial + 2 * d[2] * x * y + d[3] * (u + 2 * x * x) + u * (d[8] + u * d[9]),
+                 y * radial + d[2] * (u + 2 * y * y) + 2 * d[3] * x * y + u * (d[10] + u * d[11])});
 }
 
 // From the plane at z = 1, or what a projection has instead of it, to the distorted one.

@@ -8,7 +8,7 @@
 // Cost    fit: ~0.1 s.
 // Source  Mei, Rives, ICRA 2007 (kOmni, as Kalibr has it); Usenko et al., 3DV 2018 (kDoubleSphere);
 //         Khomutenko et al., RA-L 2016 (kEucm); Devernay, Faugeras, MVA 2001 (kFov); OpenCV,
-//         calib3d (kRadtan with up to 12 coefficients, kEquidistant).
+//         calib3d (kRadtan with up to 14 coefficients, kEquidistant).
 #pragma once
 
 #include <array>
@@ -27,8 +27,8 @@ struct Lens {
   double fx = 0, fy = 0, cx = 0, cy = 0;
   // kOmni: xi. kDoubleSphere: xi, alpha. kEucm: alpha, beta.
   double a = 0, b = 0;
-  // kRadtan: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4. kEquidistant: k1 k2 k3 k4. kFov: w.
-  std::array<double, 12> d = {};
+  // kRadtan: k1 k2 p1 p2 k3 k4 k5 k6 s1 s2 s3 s4 tau_x tau_y. kEquidistant: k1 k2 k3 k4. kFov: w.
+  std::array<double, 14> d = {};
 
   bool project(const Vec3& p_C, Vec2& uv) const;
 };

@@ -251,28 +251,6 @@ TEST_F(rig_file, okvis_delays_images) {
   EXPECT_EQ(rig.cameras[1].lens.distortion, Distortion::kEquidistant);
 }
 
-// In cm, each camera against another one: the right one and the IMU stand by the left one.
-TEST_F(rig_file, depthai_chains_cameras) {
-  const auto camera = [](int socket, int to, const char* x) {
-    return "[" + std::to_string(socket) +
-           ",{\"cameraType\":0,\"width\":640,\"height\":480,"
-           "\"intrinsicMatrix\":[[400,0,320],[0,401,240],[0,0,1]],"
-           "\"distortionCoeff\":[-4.6,12.8,0,0,-3.2,-4.7,13.0,-3.5,0,0,0,0,0,0],\"extrinsics\":{"
-           "\"rotationMatrix\":[[1,0,0],[0,1,0],[0,0,1]],\"toCameraSocket\":" +
-           std::to_string(to) + ",\"translation\":{\"x\":" + x + ",\"y\":0,\"z\":0}}}]";
-  };
-  const auto text = [&](const char* imu_R) {
-    return "{\"cameraData\":[" + camera(0, -1, "0") + "," + camera(1, 2, "-10") + "," +
-           camera(2, 0, "5") +
-           "],\"stereoRectificationData\":{\"leftCameraSocket\":1,"
-           "\"rightCameraSocket\":2},\"imuExtrinsics\":{\"rotationMatrix\":" +
-           imu_R + ",\"toCameraSocket\":1,\"translation\":{\"x\":5,\"y\":-3,\"z\":-2}}}";
-  };
-  // p_left = R p_imu + t: the inverse of T_imu_cam above.
-  expect_pair(read(text("[[0,-1,0],[0,0,-1],[1,0,0]]")));
-  EXPECT_NE(refusal(text("[[0,0,0],[0,0,0],[0,0,0]]")).find("no extrinsics"), std::string::npos);
-}
-
 TEST_F(rig_file, refusals_say_what_to_do) {
   const std::string pose = "T_imu_cam: [" + std::string(kFlat) + "]";
   const std::pair<std::string, const char*> cases[] = {
