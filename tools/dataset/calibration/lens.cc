@@ -98,9 +98,11 @@ bool step_to(const Lens& lens, const Vec2& uv, Vec2& angles) {
 // The ray of a pixel, found along the line from the principal point, so that it is that of the
 // model's first branch.
 bool unproject(const Lens& lens, const Vec2& uv, Vec3& out) {
-  constexpr double kStride_px = 16;
+  constexpr double kStride_px = 16, kStrides_max = 4096;  // a principal point far off is nonsense
   const Vec2 centre(lens.cx, lens.cy);
-  const int steps = 1 + int((uv - centre).norm() / kStride_px);
+  const double strides = (uv - centre).norm() / kStride_px;
+  if (!(strides < kStrides_max)) return false;
+  const int steps = 1 + int(strides);
   Vec2 angles = Vec2::Zero();
   for (int i = 1; i <= steps; ++i) {
     if (!step_to(lens, centre + (uv - centre) * (double(i) / steps), angles)) return false;
@@ -303,6 +305,33 @@ LensFit fit(const Lens& lens) {
   if (!narrow) return fisheye;
   const LensFit radtan = fitted(CameraModel::kPinholeRadtan, lens, sights, x);
   return worst(radtan) < worst(fisheye) ? radtan : fisheye;
+}
+
+std::vector<Vec3> rays_of(const Lens& lens) {
+  const int width = lens.width, height = lens.height;
+  const Vec2 none(NAN, NAN);
+  std::vector<Vec2> angles(size_t(width) * size_t(height), none);
+  const auto at = [&](int x, int y) -> Vec2& {
+    return angles[size_t(y) * size_t(width) + size_t(x)];
+  };
+  // From the principal point outwards, each pixel from its neighbour, so that it is on the model's
+  // first branch.
+  const auto find = [&](int x, int y, Vec2 from) {
+    if (from.allFinite() && step_to(lens, Vec2(x, y), from)) at(x, y) = from;
+  };
+  const int cx = std::clamp(int(std::lround(lens.cx)), 0, width - 1);
+  const int cy = std::clamp(int(std::lround(lens.cy)), 0, height - 1);
+  find(cx, cy, Vec2::Zero());
+  for (int x = cx - 1; x >= 0; --x) find(x, cy, at(x + 1, cy));
+  for (int x = cx + 1; x < width; ++x) find(x, cy, at(x - 1, cy));
+  for (int x = 0; x < width; ++x) {
+    for (int y = cy - 1; y >= 0; --y) find(x, y, at(x, y + 1));
+    for (int y = cy + 1; y < height; ++y) find(x, y, at(x, y - 1));
+  }
+  std::vector<Vec3> out;
+  out.reserve(angles.size());
+  for (const Vec2& a : angles) out.push_back(a.allFinite() ? ray(a) : Vec3(Vec3::Zero()));
+  return out;
 }
 
 }  // namespace pirvs::tools
