@@ -72,8 +72,8 @@ TEST(simulated_flight, other_devices_are_tracked) {
   }
 }
 
-// Mei's model, drawn by its own formula, runs by the fisheye that comes nearest to it: of the models
-// that are fitted and not refused, the one that is furthest off (docs/formats.md).
+// Mei's model, drawn by its own formula, runs by the fisheye that comes nearest to it. Of the
+// models that are fitted and not refused it is furthest off (docs/formats.md).
 TEST(simulated_flight, a_lens_that_is_fitted_is_tracked) {
   const std::string file = scratch_folder("omni") + "/camchain-imucam.yaml";
   std::ofstream chain(file);
