@@ -112,6 +112,7 @@ void Adjustment::choose_fixed(WorkingMap& map, size_t window_begin) {
 // Without any, the prior's anchor holds, which was set at the keyframe before the window.
 void Adjustment::hold_error(WorkingMap& map, size_t window_begin) {
   const Vec3& at = map.keyframe(window_begin).state.T_WB.p;
+  held_drift_.setZero();
   if (window_begin == map.run_begin()) {
     held_error_ = map.errors().first;
     return;
@@ -126,7 +127,8 @@ void Adjustment::hold_error(WorkingMap& map, size_t window_begin) {
   const Keyframe& before = map.keyframe(window_begin - 1);
   add(before, 1.0);
   if (map.drift_since(map.keyframe(window_begin).sequence, at).isZero(0)) {
-    held_error_ += map.drift_since(before.sequence, at);  // it lies between the two
+    held_drift_ = map.drift_since(before.sequence, at);  // it lies between the two
+    held_error_ += held_drift_;
   }
 }
 
@@ -249,6 +251,7 @@ void Adjustment::spread_error(WorkingMap& map) {
   newest_cov_ = bundle_.newest_cov();
   map.errors().added = oldest.added = error_of_pose(oldest.state.T_WB.R, bundle_.oldest_pose_cov());
   oldest.error = error_of_pose(oldest.state.T_WB.R, A * held_error_ * A.transpose()) + oldest.added;
+  oldest.added += held_drift_;  // against the keyframe before; `held_error_` has it already
   const Mat6 B = bundle_.newest_follows().topRows<6>();
   map.errors().newest = error_of_pose(
       newest.state.T_WB.R, B * held_error_ * B.transpose() + newest_cov_.topLeftCorner<6, 6>());

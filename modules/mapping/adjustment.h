@@ -51,6 +51,7 @@ class Adjustment {
 
   WindowPrior prior_;
   Mat6 held_error_ = Mat6::Zero();  // of what holds the adjustment, about its oldest free frame
+  Mat6 held_drift_ = Mat6::Zero();  // the part of it that dead reckoning just before that frame is
   Mat6 vision_ = Mat6::Zero();  // vision's information about the pose of the oldest free keyframe
   uint32_t vision_of_ = 0;      // that keyframe
   Mat15 newest_cov_ = Mat15::Identity();

@@ -51,7 +51,7 @@ struct Way {
   // The next keyframe of the way, where mapping believes it to be.
   KeyframeMessage& next() {
     KeyframeMessage& message = *ring->begin_push();
-    const double t_s = sent * kInterval_s;
+    const double t_s = sent * kInterval_s + dark_s;
     message = KeyframeMessage{};
     message.sequence = ++sent;
     message.state = sway.state(t_s);
@@ -59,7 +59,8 @@ struct Way {
     look(message);
     message.restart = sent == 1;
     message.linked = sent > 1;
-    if (message.linked) message.from_previous = sway.between(t_s - kInterval_s, t_s, noise);
+    if (message.linked) message.from_previous = sway.between(last_s, t_s, noise);
+    last_s = t_s;
     return message;
   }
   void map() {
@@ -84,6 +85,7 @@ struct Way {
   SE3 T_drift;
   TrackId first_track = 1;
   uint32_t sent = 0;
+  double dark_s = 0, last_s = 0;  // without keyframes so far; when the last one was
   const MapSnapshot* snapshot = nullptr;
   std::unique_ptr<KeyframeRing> ring = std::make_unique<KeyframeRing>();
   std::unique_ptr<MapMailbox> mailbox = std::make_unique<MapMailbox>();
@@ -149,6 +151,37 @@ TEST(mapper, a_closed_loop_moves_what_came_since_and_nothing_before) {
   const BodyState expected = way.sway.state(25 * kInterval_s);
   const double off = (way.snapshot->state.T_WB.p - (way.T_drift * expected.T_WB).p).norm();
   EXPECT_LT(off, 0.015);  // 0.010, or 0.012 with the noise that another compiler draws
+}
+
+// Six seconds of dead reckoning, which the adjustments since then can say nothing of.
+TEST(mapper, a_loop_takes_back_what_dead_reckoning_added) {
+  Way way;
+  for (int i = 0; i < 12; ++i) {
+    way.next();
+    way.map();
+  }
+  const Vec3 drift(0.15, -0.1, 0.05);
+  way.dark_s = 6;
+  way.first_track += 10000;
+  way.T_drift.p = drift;
+  for (int i = 0; i < 20; ++i) {
+    KeyframeMessage& message = way.next();
+    if (i == 0) message.drift.diagonal() << 0, 0, 1e-6, Vec3::Constant(0.2 * 0.2);
+    message.linked = i > 0;
+    way.map();
+  }
+  const Vec3 there = way.keyframe(32)->state.T_WB.p;
+  KeyframeMessage& message = way.next();
+  message.close = true;
+  message.closes_to = 12;
+  message.off << 0, -drift;
+  message.off_cov = Vec4(1e-6, 1e-4, 1e-4, 1e-4).asDiagonal();
+  message.adjust = false;
+  way.map();
+  way.mapper->step();
+  const Vec3 moved = way.keyframe(32)->state.T_WB.p - there;
+  EXPECT_LT((moved + drift).norm(), 0.03);
+  EXPECT_LT(way.keyframe(32)->error.diagonal().tail<3>().maxCoeff(), 0.03 * 0.03);
 }
 
 // Without its IMU link, nothing determines the newest keyframe's velocity: no step is possible.

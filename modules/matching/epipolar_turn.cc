@@ -7,6 +7,8 @@
 #include <Eigen/LU>
 
 #include "core/math/square.h"
+#include "core/store/fixed_vector.h"
+#include "modules/frontend/track.h"
 
 namespace pirvs {
 namespace {
@@ -28,20 +30,69 @@ void EpipolarTurn::configure(const Camera& c0, const Camera& c1) {
   pixel_rad_ = 1 / c1.fx;
 }
 
-void EpipolarTurn::add(const Vec3& f_C0, const Vec3& f_C1) {
+bool EpipolarTurn::miss(const Vec3& f_C0, const Vec3& f_C1, Miss& out) const {
   const Vec3 ray = T_C1C0_.R * f_C0;
   const Vec3& p = T_C1C0_.p;
   const double length = p.cross(ray).norm();
-  if (length < 0.1 * p.norm()) return;  // along the baseline: any turn moves it within its plane
-  const double off_rad = f_C1.dot(p.cross(ray)) / length;
-  const Vec3 J = (p.dot(ray) * f_C1 - f_C1.dot(ray) * p) / length;
-  const double stray = (off_rad + J.dot(turn_C1_)) / (kStray_px * pixel_rad_);
+  if (length < 0.1 * p.norm()) return false;  // along the baseline: a turn leaves it in its plane
+  out.off_rad = f_C1.dot(p.cross(ray)) / length;
+  out.J = (p.dot(ray) * f_C1 - f_C1.dot(ray) * p) / length;
+  return true;
+}
+
+void EpipolarTurn::add(const Vec3& f_C0, const Vec3& f_C1) {
+  Miss m;
+  if (!miss(f_C0, f_C1, m)) return;
+  const double stray = (m.off_rad + m.J.dot(turn_C1_)) / (kStray_px * pixel_rad_);
   const double weight = 1 / (square(kMatch_px * pixel_rad_) * square(1 + square(stray)));
   const double kept = 1 - 1 / kMemory;
-  information_ = kept * information_ + weight * J * J.transpose();
-  score_ = kept * score_ - weight * off_rad * J;
+  information_ = kept * information_ + weight * m.J * m.J.transpose();
+  score_ = kept * score_ - weight * m.off_rad * m.J;
   // Strays vote against: where they are many, no turn explains what is seen.
   matches_ = std::max(0.0, kept * matches_ + (square(stray) < 1 ? 1 : -1));
+  turn_C1_ = covariance() * score_;
+}
+
+void EpipolarTurn::add_looks(const Look* looks, int count) {
+  constexpr int kTries = 100, kSample = 3, kLooksMin = 12;
+  FixedVector<Miss, kTracksMax> misses;
+  for (int i = 0; i < count && !misses.full(); ++i) {
+    Miss m;
+    if (miss(looks[i].f_C0, looks[i].f_C1, m)) (void)misses.push_back(m);
+  }
+  const int n = static_cast<int>(misses.size());
+  if (n < kLooksMin) return;
+  const auto fits = [&](const Miss& m, const Vec3& turn) {
+    return std::abs(m.off_rad + m.J.dot(turn)) < kStray_px * pixel_rad_;
+  };
+  uint32_t state = 12345;  // the same input gives the same samples
+  Vec3 best = Vec3::Zero();
+  int best_fits = 0;
+  for (int i = 0; i <= kTries; ++i) {
+    Vec3 turn = Vec3::Zero();  // the first guess: as calibrated
+    if (i > 0) {
+      Mat3 H = square(kMatch_px * pixel_rad_ / kBegin_rad) * Mat3::Identity();
+      Vec3 b = Vec3::Zero();
+      for (int k = 0; k < kSample; ++k) {
+        state = state * 1664525u + 1013904223u;
+        const Miss& m = misses[(static_cast<uint64_t>(state) * static_cast<uint64_t>(n)) >> 32];
+        H += m.J * m.J.transpose();
+        b -= m.off_rad * m.J;
+      }
+      turn = H.inverse() * b;
+    }
+    int fitting = 0;
+    for (const Miss& m : misses) fitting += fits(m, turn) ? 1 : 0;
+    if (fitting > best_fits) best_fits = fitting, best = turn;
+  }
+  if (2 * best_fits < n || best_fits < kLooksMin) return;
+  for (const Miss& m : misses) {
+    if (!fits(m, best)) continue;
+    const double weight = 1 / square(kMatch_px * pixel_rad_);
+    information_ += weight * m.J * m.J.transpose();
+    score_ -= weight * m.off_rad * m.J;
+  }
+  matches_ = std::max(matches_, kMatchesMin);  // chance does not make so many agree
   turn_C1_ = covariance() * score_;
 }
 

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "core/math/so3.h"
 #include "core/math/trig.h"
 #include "modules/testing.h"
@@ -60,6 +62,43 @@ TEST(epipolar_turn, one_that_is_bent_is_told_by_how_much) {
 TEST(epipolar_turn, strays_and_few_matches_tell_nothing) {
   EXPECT_FALSE(seen(Vec3::Zero(), 400, 1.0).disagrees());
   EXPECT_FALSE(seen(Vec3(kDegree, 0, 0), 20).disagrees());
+}
+
+// Points that look alike, of which a share are not the same.
+EpipolarTurn looked(const Vec3& turn_C1, int count, double wrong) {
+  const Rig rig(CameraModel::kPinholeRadtan);
+  Random random(6);
+  EpipolarTurn out;
+  out.configure(rig.camera[0], rig.camera[1]);
+  SE3 T_BC1 = rig.camera[1].T_BC;
+  T_BC1.R = T_BC1.R * so3_exp(turn_C1);
+  std::vector<EpipolarTurn::Look> looks;
+  while (static_cast<int>(looks.size()) < count) {
+    EpipolarTurn::Look look;
+    if (!rig.camera[0].unproject(Vec2(random.uniform(20, 730), random.uniform(20, 460)), look.f_C0))
+      continue;
+    const Vec3 p_B = rig.camera[0].T_BC * Vec3(random.uniform(2, 8) * look.f_C0);
+    Vec2 uv;
+    if (!rig.camera[1].project(T_BC1.inverse() * p_B, uv)) continue;
+    if (random.uniform(0, 1) < wrong) uv = Vec2(random.uniform(20, 730), random.uniform(20, 460));
+    if (!rig.camera[1].unproject(uv + random.pixel(0.5), look.f_C1)) continue;
+    looks.push_back({look.f_C0.normalized(), look.f_C1.normalized()});
+  }
+  out.add_looks(looks.data(), count);
+  return out;
+}
+
+TEST(epipolar_turn, far_off_the_curves_looks_tell) {
+  const Rig rig(CameraModel::kPinholeRadtan);
+  for (const Vec3& degrees : {Vec3(1.5, 0, 0), Vec3(-4, 0, 0), Vec3(2, 3, -5)}) {
+    const EpipolarTurn turn = looked(degrees * kDegree, 40, 0.3);
+    EXPECT_TRUE(turn.disagrees()) << degrees.x();
+    const Vec3 off = turn.turn_B() - rig.camera[1].T_BC.R * degrees * kDegree;
+    EXPECT_LT(off.norm(), 0.4 * kDegree) << degrees.x();
+  }
+  EXPECT_FALSE(looked(Vec3::Zero(), 40, 0.3).disagrees());
+  EXPECT_FALSE(looked(Vec3(2 * kDegree, 0, 0), 8, 0).disagrees()) << "few";
+  EXPECT_FALSE(looked(Vec3(2 * kDegree, 0, 0), 60, 0.8).disagrees()) << "most of them are wrong";
 }
 
 TEST(epipolar_turn, is_asked_anew_after_a_while) {

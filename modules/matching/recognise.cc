@@ -38,7 +38,7 @@ void Recogniser::configure(const Camera* cameras, int count, const MatchingParam
   params_ = params;
 }
 
-void Recogniser::find_candidates(const MapView& view, PlaceRule rule) {
+void Recogniser::find_candidates(const MapView& view, PlaceRule rule, uint32_t before) {
   candidates_.clear();
   if (rule == PlaceRule::kOld) {
     const uint32_t ago = static_cast<uint32_t>(params_.loop_keyframes_min);
@@ -50,7 +50,8 @@ void Recogniser::find_candidates(const MapView& view, PlaceRule rule) {
   for (size_t i = 0; i < view.points(); ++i) {
     const uint16_t p = static_cast<uint16_t>(i);
     const bool same = view.point(p).epoch == view.epoch();
-    if (same == (rule == PlaceRule::kSame)) (void)candidates_.push_back(p);
+    if (rule == PlaceRule::kBefore && view.point(p).last_keyframe > before) continue;
+    if (same != (rule == PlaceRule::kOther)) (void)candidates_.push_back(p);
   }
 }
 
@@ -129,9 +130,9 @@ int Recogniser::score(const Guess& guess, bool mark) {
 }
 
 bool Recogniser::solve(const MapView& view, PlaceRule rule, const Mat3& R_WB,
-                       const Tracks* const* tracks, Recognition& out) {
+                       const Tracks* const* tracks, Recognition& out, uint32_t before) {
   const int wanted = static_cast<int>(params_.recognise_matches_min);
-  find_candidates(view, rule);
+  find_candidates(view, rule, before);
   if (static_cast<int>(candidates_.size()) < wanted) return false;
   find_pairs(view, R_WB, tracks);
   const uint32_t n = static_cast<uint32_t>(pairs_.size());

@@ -15,8 +15,9 @@
 namespace pirvs {
 
 // Which points: of the snapshot's epoch; of another; of its epoch, where they should be in view,
-// but seen last by a keyframe loop_keyframes_min ago or earlier.
-enum class PlaceRule : uint8_t { kSame, kOther, kOld };
+// but seen last by a keyframe loop_keyframes_min ago or earlier; of its epoch, wherever, but seen
+// last by keyframe `before` or earlier.
+enum class PlaceRule : uint8_t { kSame, kOther, kOld, kBefore };
 
 struct Recognition {
   struct Match {
@@ -33,7 +34,7 @@ class Recogniser {
  public:
   void configure(const Camera* cameras, int count, const MatchingParams& params);
   bool solve(const MapView& view, PlaceRule rule, const Mat3& R_WB, const Tracks* const* tracks,
-             Recognition& out);
+             Recognition& out, uint32_t before = 0);
 
  private:
   struct Pair {
@@ -49,7 +50,7 @@ class Recogniser {
     Vec3 s_L = Vec3::Zero();  // B's place, turned back
   };
 
-  void find_candidates(const MapView& view, PlaceRule rule);
+  void find_candidates(const MapView& view, PlaceRule rule, uint32_t before);
   void find_pairs(const MapView& view, const Mat3& R_WB, const Tracks* const* tracks);
   static bool fit(const Pair* const* pairs, int count, Guess& out);
   int score(const Guess& guess, bool mark);

@@ -71,11 +71,11 @@ struct Case {
       }
     }
   }
-  bool solve(PlaceRule rule = PlaceRule::kSame) {
+  bool solve(PlaceRule rule = PlaceRule::kSame, uint32_t before = 0) {
     // The tilt is known, heading and place are not.
     const Mat3 R_WB = so3_exp(Vec3(0, 0, 2.0)) * truth.R;
     const Tracks* const lists[kCamerasMax] = {&tracks[0], &tracks[1]};
-    return recogniser->solve(*view, rule, R_WB, lists, found);
+    return recogniser->solve(*view, rule, R_WB, lists, found, before);
   }
   Random random;
   Rig rig;
@@ -144,6 +144,18 @@ TEST(recognise, old_points_in_view_alone_close_a_loop) {
   const SE3 elsewhere{c.truth.R * so3_exp(Vec3(0, 0, 2)), c.truth.p};
   c.view->assign(*c.snapshot, elsewhere, c.rig.camera, kCamerasMax);
   EXPECT_FALSE(c.solve(PlaceRule::kOld)) << "out of view";
+}
+
+TEST(recognise, what_was_seen_before_is_looked_for_everywhere) {
+  Case c(66);
+  c.snapshot->keyframe = 20;
+  for (MapPoint& point : c.snapshot->points) point.last_keyframe = 20 - point.id.slot % 2 * 10;
+  const SE3 elsewhere{c.truth.R * so3_exp(Vec3(0, 0, 2)), c.truth.p};
+  c.view->assign(*c.snapshot, elsewhere, c.rig.camera, kCamerasMax);
+  EXPECT_FALSE(c.solve(PlaceRule::kBefore, 9));
+  ASSERT_TRUE(c.solve(PlaceRule::kBefore, 10));
+  EXPECT_LT((c.found.T_WB.p - c.truth.p).norm(), 0.02);
+  for (const Recognition::Match& match : c.found.matches) EXPECT_EQ(match.landmark.slot % 2, 1);
 }
 
 TEST(recognise, is_the_same_twice) {

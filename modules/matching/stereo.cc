@@ -6,8 +6,10 @@
 
 #include <Eigen/Geometry>
 
+#include "core/kernels/hamming/hamming.h"
 #include "core/kernels/lk/lk.h"
 #include "core/kernels/zssd/zssd.h"
+#include "modules/matching/matching_params.h"
 
 namespace pirvs {
 namespace {
@@ -15,6 +17,33 @@ namespace {
 constexpr int kScanLevel = 1;  // half size: the scan needs a place to within flow's reach only
 constexpr int kScanStepsMax = 192;
 constexpr int kPatch = 8;  // side of the scanned patch at kScanLevel
+// Largest quotient of the residuals of a match and of its rival: on a pattern that repeats itself
+// they differ by noise, of which 16 x 16 pixels leave a twentieth.
+constexpr float kAlike = 0.7f;
+
+// Flow from `uv_to`, which is moved.
+StereoLoss align(const PyramidStore& image_from, const PyramidStore& image_to, const Vec2& uv_from,
+                 Vec2& uv_to, float& residual) {
+  float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y());
+  const float x0 = static_cast<float>(uv_from.x()), y0 = static_cast<float>(uv_from.y());
+  LkPatch patch;
+  for (int l = kScanLevel; l >= 0; --l) {
+    const float scale = 1.0f / static_cast<float>(1 << l);
+    float xl = x * scale, yl = y * scale;
+    if (!lk_extract(image_from.level(l), x0 * scale, y0 * scale, patch) || !patch.usable) {
+      if (l == 0) return StereoLoss::kNoTexture;
+      continue;
+    }
+    if (lk_align(image_to.level(l), patch, xl, yl, 10, 0.02f, residual)) {
+      x = xl / scale;
+      y = yl / scale;
+    } else if (l == 0) {
+      return StereoLoss::kFlow;
+    }
+  }
+  uv_to = Vec2(x, y);
+  return StereoLoss::kFound;
+}
 
 }  // namespace
 
@@ -37,22 +66,38 @@ void StereoMatcher::configure(const Camera& c0, const Camera& c1, const StereoPa
 
 StereoLoss StereoMatcher::find(int from, const PyramidStore& image_from,
                                const PyramidStore& image_to, const Vec2& uv_from, Vec2& uv_to) {
-  const StereoLoss loss = scan(from, image_from, image_to, uv_from, uv_to);
+  Scanned scanned;
+  StereoLoss loss = scan(from, image_from, image_to, uv_from, scanned);
   if (loss != StereoLoss::kFound) return count(loss);
-  return count(refine(from, image_from, image_to, uv_from, uv_to));
+  float residual = 0, rival = 0;
+  loss = align(image_from, image_to, uv_from, scanned.best, residual);
+  if (loss != StereoLoss::kFound) return count(loss);
+  if (residual > params_.residual_grey_max) return count(StereoLoss::kResidual);
+  const bool ambiguous =
+      scanned.rivalled &&
+      align(image_from, image_to, uv_from, scanned.rival, rival) == StereoLoss::kFound &&
+      residual >= kAlike * rival && (scanned.rival - scanned.best).norm() > params_.return_px_max;
+  uv_to = scanned.best;
+  // Of what is ambiguous it is told as well how far off the epipolar curve it ends.
+  loss = check(from, image_from, image_to, uv_from, uv_to);
+  return count(loss == StereoLoss::kFound && ambiguous ? StereoLoss::kAmbiguous : loss);
 }
 
 StereoLoss StereoMatcher::find_near(int from, const PyramidStore& image_from,
                                     const PyramidStore& image_to, const Vec2& uv_from,
                                     const Vec2& uv_expected, Vec2& uv_to) {
   uv_to = uv_expected;
-  return count(refine(from, image_from, image_to, uv_from, uv_to));
+  float residual = 0;
+  const StereoLoss loss = align(image_from, image_to, uv_from, uv_to, residual);
+  if (loss != StereoLoss::kFound) return count(loss);
+  if (residual > params_.residual_grey_max) return count(StereoLoss::kResidual);
+  return count(check(from, image_from, image_to, uv_from, uv_to));
 }
 
 // Disparity is linear in inverse depth, so equal steps of it are equal steps in the image.
 StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
                                const PyramidStore& image_to, const Vec2& uv_from,
-                               Vec2& uv_to) const {
+                               Scanned& out) const {
   const int to = 1 - from;
   const ImageView& source = image_from.level(kScanLevel);
   const ImageView& target = image_to.level(kScanLevel);
@@ -91,38 +136,33 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
   if (static_cast<float>(cost[best]) > params_.zssd_grey2_max * kPatch * kPatch) {
     return StereoLoss::kNoTexture;
   }
-  uint32_t second = UINT32_MAX;
+  int second = -1;
   for (int i = 0; i <= steps; ++i) {
-    if (std::abs(i - best) > 3) second = std::min(second, cost[i]);
+    if (std::abs(i - best) > 3 && (second < 0 || cost[i] < cost[second])) second = i;
   }
-  if (second == 0) return StereoLoss::kNoTexture;  // flat, or an exact repeat
-  if (static_cast<float>(cost[best]) >= params_.ambiguity_ratio_max * static_cast<float>(second)) {
+  out.best = place[best];
+  out.rivalled = false;
+  if (second < 0 || cost[second] == UINT32_MAX) return StereoLoss::kFound;
+  if (cost[second] == 0) return StereoLoss::kNoTexture;  // flat, or an exact repeat
+  if (static_cast<float>(cost[best]) >=
+      params_.ambiguity_ratio_max * static_cast<float>(cost[second])) {
     return StereoLoss::kAmbiguous;
   }
-  uv_to = place[best];
+  // Between two steps it may be as good: it is no worse than the best one is a step aside.
+  const uint32_t aside = std::max(best > 0 ? cost[best - 1] : 0, best < steps ? cost[best + 1] : 0);
+  out.rivalled = cost[second] <= aside;
+  out.rival = place[second];
   return StereoLoss::kFound;
 }
 
-StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
-                                 const PyramidStore& image_to, const Vec2& uv_from, Vec2& uv_to) {
-  float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y()), residual = 0;
+// The way back ends where it began, and the match lies on its epipolar curve.
+StereoLoss StereoMatcher::check(int from, const PyramidStore& image_from,
+                                const PyramidStore& image_to, const Vec2& uv_from,
+                                const Vec2& uv_to) {
   const float x0 = static_cast<float>(uv_from.x()), y0 = static_cast<float>(uv_from.y());
+  const float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y());
+  float residual = 0;
   LkPatch patch;
-  for (int l = kScanLevel; l >= 0; --l) {
-    const float scale = 1.0f / static_cast<float>(1 << l);
-    float xl = x * scale, yl = y * scale;
-    if (!lk_extract(image_from.level(l), x0 * scale, y0 * scale, patch) || !patch.usable) {
-      if (l == 0) return StereoLoss::kNoTexture;
-      continue;
-    }
-    if (lk_align(image_to.level(l), patch, xl, yl, 10, 0.02f, residual)) {
-      x = xl / scale;
-      y = yl / scale;
-    } else if (l == 0) {
-      return StereoLoss::kFlow;
-    }
-  }
-  if (residual > params_.residual_grey_max) return StereoLoss::kResidual;
   float back_x = x0, back_y = y0;
   if (!lk_extract(image_to.level(0), x, y, patch) || !patch.usable) return StereoLoss::kOutside;
   if (!lk_align(image_from.level(0), patch, back_x, back_y, 4, 0.02f, residual)) {
@@ -130,7 +170,6 @@ StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
   }
   const float dx = back_x - x0, dy = back_y - y0;
   if (dx * dx + dy * dy > params_.return_px_max * params_.return_px_max) return StereoLoss::kReturn;
-  uv_to = Vec2(x, y);
 
   // Distance from the epipolar curve, in pixels of the image it was found in.
   Vec3 f_from, f_to;
@@ -145,6 +184,35 @@ StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
     return StereoLoss::kEpipolar;
   }
   return StereoLoss::kFound;
+}
+
+void StereoMatcher::compare_looks(const Tracks& left, const Tracks& right) {
+  constexpr MatchingParams kLooks;
+  FixedVector<EpipolarTurn::Look, kTracksMax> looks;
+  for (const Track& track : left) {
+    if (!track.described) continue;
+    int distance = kHammingNone, second = kHammingNone;
+    const Track* best = nullptr;
+    for (const Track& other : right) {
+      if (!other.described) continue;
+      const int d = hamming(track.descriptor, other.descriptor);
+      if (d < distance) {
+        second = distance;
+        distance = d;
+        best = &other;
+      } else {
+        second = std::min(second, d);
+      }
+    }
+    EpipolarTurn::Look look;
+    if (best == nullptr || !is_match(kLooks, distance, second)) continue;
+    if (!camera_[0].unproject(Vec2(track.x, track.y), look.f_C0)) continue;
+    if (!camera_[1].unproject(Vec2(best->x, best->y), look.f_C1)) continue;
+    look.f_C0.normalize();
+    look.f_C1.normalize();
+    (void)looks.push_back(look);
+  }
+  turn_.add_looks(looks.data(), static_cast<int>(looks.size()));
 }
 
 StereoLoss StereoMatcher::count(StereoLoss loss) {

@@ -14,6 +14,7 @@
 #include "core/camera/camera.h"
 #include "core/params/params.h"
 #include "modules/frontend/pyramid_store.h"
+#include "modules/frontend/track.h"
 #include "modules/matching/epipolar_turn.h"
 
 namespace pirvs {
@@ -68,15 +69,22 @@ class StereoMatcher {
   StereoLoss find_near(int from, const PyramidStore& image_from, const PyramidStore& image_to,
                        const Vec2& uv_from, const Vec2& uv_expected, Vec2& uv_to);
   const CounterArray<StereoLoss>& losses() const { return losses_; }
+  // Where hardly a track lies on its curve: which look alike, wherever, tells how far off it is.
+  void compare_looks(const Tracks& left, const Tracks& right);
   // Of what was found from the left, how far off its epipolar curve it may be.
   const EpipolarTurn& turn() const { return turn_; }
   void forget_turn() { turn_.forget(); }
 
  private:
+  // What the scan leaves: the best place, and another that may be as good between two steps.
+  struct Scanned {
+    Vec2 best, rival;
+    bool rivalled = false;
+  };
   StereoLoss scan(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                  const Vec2& uv_from, Vec2& uv_to) const;
-  StereoLoss refine(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                    const Vec2& uv_from, Vec2& uv_to);
+                  const Vec2& uv_from, Scanned& out) const;
+  StereoLoss check(int from, const PyramidStore& image_from, const PyramidStore& image_to,
+                   const Vec2& uv_from, const Vec2& uv_to);
   StereoLoss count(StereoLoss loss);
 
   Camera camera_[kCamerasMax];

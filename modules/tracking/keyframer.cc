@@ -54,6 +54,10 @@ void Keyframer::find_pairs(const SE3* T_WB, Associator& seen) {
     const size_t count = seen.tracks(from).size();
     for (size_t i = 0; i < count; ++i) pair(from, i, T_WB != nullptr ? &T_CW_to : nullptr, seen);
   }
+  constexpr size_t kFew = 10;  // one in so many
+  if (kFew * pairs_.size() < seen.tracks(0).size()) {
+    stereo_.compare_looks(seen.tracks(0), seen.tracks(1));
+  }
 }
 
 void Keyframer::pair(int from, size_t index, const SE3* T_CW_to, Associator& seen) {

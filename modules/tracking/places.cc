@@ -31,9 +31,9 @@ void Places::configure(const Camera* cameras, int count, const ImuNoise& noise,
   recogniser_.configure(cameras, count, matching);
 }
 
-bool Places::solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen) {
+bool Places::solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen, uint32_t before) {
   const Tracks* const tracks[kCamerasMax] = {&seen.tracks(0), &seen.tracks(1)};
-  return recogniser_.solve(seen.map(), rule, R_WB, tracks, found_);
+  return recogniser_.solve(seen.map(), rule, R_WB, tracks, found_, before);
 }
 
 PlaceAnswer Places::recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB, const Associator& seen) {
@@ -94,12 +94,16 @@ bool Places::held(const Associator& seen, uint32_t& closes_to) const {
 }
 
 LoopDecision Places::test_loop(TimeNs t, const SE3& T_WB, const MapError& error,
-                               const Associator& seen) {
+                               uint32_t drifted_after, const Associator& seen) {
   LoopDecision out;
   if (to_seconds(t - last_loop_t_) < params_.loop_every_s) return out;
   last_loop_t_ = t;
-  const int wanted = static_cast<int>(params_.loop_matches_min);
-  if (!solve(PlaceRule::kOld, T_WB.R, seen) || locate(seen) < wanted) return out;
+  // After a drift the pose is in doubt, and half as many serve; here none of them may be wallpaper.
+  const bool drifted = drifted_after != 0;
+  const int wanted = static_cast<int>(params_.loop_matches_min) / (drifted ? 2 : 1);
+  const PlaceRule rule = drifted ? PlaceRule::kBefore : PlaceRule::kOld;
+  if (!solve(rule, T_WB.R, seen, drifted_after) || locate(seen) < wanted) return out;
+  if (drifted && found_is_planar(seen)) return out;
   const SE3& T_found = locator_.state().T_WB;
   Vec6 xi;
   xi << so3_log(T_found.R * T_WB.R.transpose()), T_found.p - T_WB.p;

@@ -43,15 +43,17 @@ class Places {
   // kFound: found() holds.
   PlaceAnswer recognise(TimeNs t, PlaceRule rule, const Mat3& R_WB, const Associator& seen);
   // Is an old place of this very map seen again, but not where it should be? kCloses: found()
-  // holds.
-  LoopDecision test_loop(TimeNs t, const SE3& T_WB, const MapError& error, const Associator& seen);
+  // holds. After dead reckoning from keyframe `drifted_after` on (0: there was none) any place from
+  // before is old, and it may be anywhere.
+  LoopDecision test_loop(TimeNs t, const SE3& T_WB, const MapError& error, uint32_t drifted_after,
+                         const Associator& seen);
   const Recognition& found() const { return found_; }
   // The matched points of found() lie in one plane. Wallpaper and posters may hang in several
   // places: without a prior pose, such a match does not prove the place.
   bool found_is_planar(const Associator& seen) const;
 
  private:
-  bool solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen);
+  bool solve(PlaceRule rule, const Mat3& R_WB, const Associator& seen, uint32_t before = 0);
   void refine(const Associator& seen);
   int locate(const Associator& seen);
   bool held(const Associator& seen, uint32_t& closes_to) const;

@@ -338,6 +338,7 @@ void Tracker::relocalize(TimeNs t, FrameResult& result) {
   result.accepted = estimate_.update(correspondences);
   result.recognised = true;
   searching_ = drift_told_ = false;
+  drifted_after_ = 0;
   light_since_ = 0;
 }
 
@@ -358,6 +359,7 @@ void Tracker::note_jump(const SE3& before, const SE3& after, bool certain) {
 void Tracker::lose() {
   ++counters_.losses;
   running_ = located_ = searching_ = drift_told_ = false;
+  drifted_after_ = 0;
   recent_.clear();
   const BodyState& state = estimate_.state();
   if (health_.denied()) {
@@ -451,6 +453,7 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
   if (result.joined) return;
   result.closed = try_close(t);
   if (result.closed) return;
+  const uint32_t newest = keyframer_.sent();
   KeyframeMessage* message =
       keyframer_.begin(at_time(estimate_.state(), t), at_rest, epoch_, associator_);
   if (message == nullptr) return;
@@ -458,6 +461,7 @@ void Tracker::maybe_keyframe(TimeNs t, uint8_t seen, FrameResult& result) {
   if (searching_ && !drift_told_) {
     message->drift = error_of_pose(estimate_.state().T_WB.R, estimate_.pose_cov());
     drift_told_ = true;
+    drifted_after_ = newest;
   }
   keyframer_.end(*message, estimate_.state());
 }

@@ -226,7 +226,9 @@ class Tracker {
   bool located_ = false;     // matches have been enough since the start
   bool searching_ = false;   // after dead reckoning: what matches has to agree before it counts
   bool drift_told_ = false;  // to mapping, since then
-  bool joining_ = false;     // mapping carries this epoch over to another by T_join_
+  // The newest keyframe before the last dead reckoning whose drift no loop has closed; 0: none.
+  uint32_t drifted_after_ = 0;
+  bool joining_ = false;  // mapping carries this epoch over to another by T_join_
   SE3 T_join_;
   TrackingCounters counters_;
 };

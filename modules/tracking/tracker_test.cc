@@ -70,10 +70,10 @@ struct Scene : Eyes {
     }
     associator->take(*snapshot, T_WB, 0);
   }
-  LoopDecision test_loop(const SE3& T_WB, double sigma_m) {
+  LoopDecision test_loop(const SE3& T_WB, double sigma_m, uint32_t drifted_after = 0) {
     MapError error{Mat6::Zero(), T_WB.p};
     error.cov.diagonal().tail<4>().setConstant(sigma_m * sigma_m);
-    return places->test_loop(t += 1'000'000'000, T_WB, error, *associator);
+    return places->test_loop(t += 1'000'000'000, T_WB, error, drifted_after, *associator);
   }
 
   Random random{5};
@@ -130,6 +130,21 @@ TEST(places, no_loop_where_the_pose_is_right_or_cannot_be_so_wrong) {
   s.look(SE3{});
   EXPECT_EQ(s.test_loop(off_by(Vec3(0.3, -0.2, 0.1)), 0.3).verdict, LoopDecision::Verdict::kNone)
       << "no point is old";
+}
+
+TEST(places, after_dead_reckoning_what_came_before_is_old_wherever_it_should_be) {
+  Scene s;
+  for (MapPoint& point : s.snapshot->points) point.last_keyframe = 90;
+  s.look(SE3{});
+  const SE3 far = off_by(Vec3(-9, 1, 0));  // from there none of the points is in view
+  EXPECT_EQ(s.test_loop(far, 5, 89).verdict, LoopDecision::Verdict::kNone) << "seen since";
+  const LoopDecision loop = s.test_loop(far, 5, 90);
+  ASSERT_EQ(loop.verdict, LoopDecision::Verdict::kCloses);
+  EXPECT_LT((loop.T * far).p.norm(), 0.02);
+  EXPECT_EQ(s.test_loop(far, 0.5, 90).verdict, LoopDecision::Verdict::kImplausible);
+  for (MapPoint& point : s.snapshot->points) point.p_W *= 3 / point.p_W.x();
+  s.look(SE3{});
+  EXPECT_EQ(s.test_loop(far, 5, 90).verdict, LoopDecision::Verdict::kNone) << "one plane";
 }
 
 TEST(places, tracked_points_that_are_as_old_hold_the_pose) {

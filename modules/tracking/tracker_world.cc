@@ -60,7 +60,8 @@ bool Tracker::try_join(TimeNs t) {
 // The way since an old place was off: mapping spreads that over it.
 bool Tracker::try_close(TimeNs t) {
   const BodyState& state = estimate_.state();
-  const LoopDecision loop = places_.test_loop(t, state.T_WB, estimate_.map_error(), associator_);
+  const LoopDecision loop =
+      places_.test_loop(t, state.T_WB, estimate_.map_error(), drifted_after_, associator_);
   counters_.loops_implausible += loop.verdict == LoopDecision::Verdict::kImplausible ? 1 : 0;
   counters_.loops_held += loop.verdict == LoopDecision::Verdict::kHeld ? 1 : 0;
   if (loop.verdict != LoopDecision::Verdict::kCloses) return false;
@@ -78,6 +79,7 @@ bool Tracker::try_close(TimeNs t) {
   keyframer_.end(*message, state);
   keyframer_.move_last(T_join_);
   joining_ = true;
+  drifted_after_ = 0;
   ++counters_.loops;
   return true;
 }

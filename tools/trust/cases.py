@@ -133,11 +133,14 @@ def lift(t):
 
 
 def turning_car(t):
-    """A quarter of a circle of 20 m at 6 m/s, seen from within; its heading is not in the truth."""
+    """A quarter of a circle of 20 m at 6 m/s, seen from within, against what goes on straight, as
+    nobody knows how fast it goes; its heading is not in the truth."""
     speed, radius = 6.0, 20.0
     rate = speed / radius if 0 < t < 5 else 0.0
     angle = speed / radius * min(t, 5.0)
-    place = (radius * math.sin(angle), radius * (1 - math.cos(angle)), 0.0)
+    after = speed * max(0.0, t - 5.0)
+    place = (radius * math.sin(angle) + after * math.cos(angle) - speed * t,
+             radius * (1 - math.cos(angle)) + after * math.sin(angle), 0.0)
     return rate, (0.0, speed * rate, 0.0), place
 
 

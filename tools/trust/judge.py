@@ -88,9 +88,21 @@ def judge(frames, fault_s):
                    min(f.confidence for f in frames), [r for r, _ in reasons.most_common()])
 
 
-def roc(frames):
+def undisturbed(case, frames):
+    """Those of a case at which nothing is wrong with the sensors, now or before."""
+    if case.kind == 0:
+        return frames
+    return [f for f in frames if case.fault_s is not None and f.t_s < case.fault_s]
+
+
+def roc(good, bad):
     """[(threshold, share of good frames below it, share of wrong ones below it)]"""
-    good = sorted(f.confidence for f in frames if not wrong(f))
-    bad = sorted(f.confidence for f in frames if wrong(f))
+    good = sorted(f.confidence for f in good if not wrong(f))
+    bad = sorted(f.confidence for f in bad if wrong(f))
     return [(k / 100, bisect.bisect_left(good, k / 100) / max(1, len(good)),
              bisect.bisect_left(bad, k / 100) / max(1, len(bad))) for k in range(0, 102)]
+
+
+def caught(curve, doubted_max=0.01):
+    """The share of wrong frames below the highest threshold that doubts so few good ones."""
+    return max(point[2] for point in curve if point[1] <= doubted_max)

@@ -11,34 +11,42 @@ OWN_STYLE = """
 th:nth-child(2),td:nth-child(2),td:last-child,th:last-child{text-align:left}
 .good{color:var(--good)}.bad{color:var(--bad)}svg{max-width:620px}svg text{fill:var(--soft)}
 .dot{fill:var(--now)}.curve{fill:none;stroke:var(--now);stroke-width:2}
+.curve.second{stroke:var(--soft)}
 """
 WIDTH, HEIGHT, LEFT, TOP = 520, 300, 46, 12
 DOUBTED_MAX = 0.2  # of the good frames: what lies beyond is of no use
 
 
-def plot(curve):
+def plot(curves):
+    """Of {which frames are good: curve}; thresholds stand at the first."""
     def x(doubted):
         return LEFT + (WIDTH - LEFT) * min(1.0, doubted / DOUBTED_MAX)
 
     def y(caught):
         return TOP + (HEIGHT - TOP) * (1 - caught)
 
-    out = [f'<svg viewBox="0 0 {WIDTH + 60} {HEIGHT + 44}">']
+    out = [f'<svg viewBox="0 0 {WIDTH + 60} {HEIGHT + 44 + 18 * len(curves)}">']
     for k in range(5):
         share = k / 4
         out.append(f'<line class="rule" x1="{LEFT}" x2="{WIDTH}" y1="{y(share)}" y2="{y(share)}"/>'
                    f'<text x="{LEFT - 6}" y="{y(share) + 4}" text-anchor="end">{share:.0%}</text>'
                    f'<text x="{x(share * DOUBTED_MAX)}" y="{HEIGHT + 16}" text-anchor="middle">'
                    f'{share * DOUBTED_MAX:.0%}</text>')
-    points = " ".join(f"{x(d):.1f},{y(c):.1f}" for _, d, c in curve)
-    out.append(f'<polyline class="curve" points="{points}"/>')
-    for threshold, doubted, caught in curve:
-        if doubted <= DOUBTED_MAX and round(threshold * 100) % 20 == 0:
-            out.append(f'<circle class="dot" cx="{x(doubted):.1f}" cy="{y(caught):.1f}" r="3"/>'
-                       f'<text x="{x(doubted) + 6:.1f}" y="{y(caught) + 12:.1f}">'
-                       f'{threshold:.1f}</text>')
     out.append(f'<text x="{(LEFT + WIDTH) / 2}" y="{HEIGHT + 34}" text-anchor="middle">good frames '
-               f'doubted</text></svg>')
+               f'doubted</text>')
+    for k, (which, curve) in enumerate(curves.items()):
+        style = "curve second" if k else "curve"
+        points = " ".join(f"{x(d):.1f},{y(c):.1f}" for _, d, c in curve)
+        at = HEIGHT + 52 + 18 * k
+        out.append(f'<polyline class="{style}" points="{points}"/>'
+                   f'<line class="{style}" x1="{LEFT}" x2="{LEFT + 24}" y1="{at - 4}" '
+                   f'y2="{at - 4}"/><text x="{LEFT + 32}" y="{at}">{which}</text>')
+    for threshold, doubted, caught in next(iter(curves.values())):
+        if doubted <= DOUBTED_MAX and round(threshold * 100) in (20, 100):
+            out.append(f'<circle class="dot" cx="{x(doubted):.1f}" cy="{y(caught):.1f}" r="3"/>'
+                       f'<text x="{x(doubted) + 8:.1f}" y="{y(caught) + 14:.1f}">'
+                       f'{threshold:.1f}</text>')
+    out.append("</svg>")
     return "".join(out)
 
 
@@ -53,7 +61,7 @@ def row_of(case, status, verdict, good, said):
             + f"<td>{html.escape(told[:110])}</td></tr>")
 
 
-def render(rows, curve):
+def render(rows, curves):
     heads = ("kind", "case", "honest", "status", "error at the end [m]", "at most", "sigma",
              "confidence (least)", "lies", "told")
     return (f'<!doctype html><meta charset="utf-8"><title>Trust</title>'
@@ -63,4 +71,4 @@ def render(rows, curve):
             + "".join(f"<th>{head}</th>" for head in heads) + "</tr>"
             + "".join(row_of(*row) for row in rows)
             + "</table></div><h2>Wrong frames caught against good frames doubted, by threshold of "
-              f"confidence</h2><div class='card'>{plot(curve)}</div></main>\n")
+              f"confidence</h2><div class='card'>{plot(curves)}</div></main>\n")

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import judge
 import page
-from cases import BASES, CASES
+from cases import BASES, CASES, Case
 from judge import Frame
 from recording import NS, Recording, motors
 
@@ -71,10 +71,18 @@ class Judging(unittest.TestCase):
     def test_what_confidence_tells(self):
         good = [Frame(0, 0.01, 0.01, 0.9, "", "")] * 3
         bad = [Frame(0, 1.00, 0.01, c, "", "") for c in (0.1, 0.2, 0.95)]
-        curve = {round(t * 100): (d, c) for t, d, c in judge.roc(good + bad)}
+        curve = {round(t * 100): (d, c) for t, d, c in judge.roc(good + bad, good + bad)}
         self.assertEqual(curve[50], (0, 2 / 3))
         self.assertEqual(curve[92], (1, 2 / 3))
-        self.assertIn("polyline", page.plot(judge.roc(good + bad)))
+        self.assertEqual(judge.caught(judge.roc(good, bad)), 2 / 3)
+        self.assertIn("polyline", page.plot({"all": judge.roc(good, bad)}))
+
+    def test_good_is_what_comes_before_the_fault(self):
+        frames = [Frame(t, 0.01, 0.01, 1, "", "") for t in (1, 2, 3)]
+        clean, spoiled, late = (Case("", kind, "", fault_s=s)
+                                for kind, s in ((0, None), (3, None), (6, 2.5)))
+        self.assertEqual([len(judge.undisturbed(case, frames)) for case in (clean, spoiled, late)],
+                         [3, 0, 2])
 
 
 class Cases(unittest.TestCase):
