@@ -55,7 +55,7 @@ FUZZ_LIB_SRC := $(filter core/math/% core/camera/% core/config/% core/base/numbe
   board/linux/settings.cc board/linux/text_commands.cc board/linux/link_settings.cc \
   board/linux/endpoint_text.cc board/linux/serial_text.cc board/linux/gnss_settings.cc \
   board/usb/usb_settings.cc bsp/linux/tty.cc modules/door/% \
-  modules/gnss/% modules/link/% modules/health/% \
+  modules/gnss/% modules/link/% modules/output/pose_feed.cc modules/health/% \
   modules/recorder/order_row.cc bsp/replay/% bsp/drivers/device_tree/% bsp/linux/assert.cc \
   bsp/linux/clock.cc \
   bsp/linux/console.cc bsp/linux/events.cc,$(LIB_SRC))

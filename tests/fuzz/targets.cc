@@ -30,7 +30,7 @@
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/gnss_file.h"
 #include "tools/dataset/input_error.h"
-#include "tools/dataset/logs/ros_message.h"
+#include "tools/dataset/logs/log_rig.h"
 #include "tools/dataset/loose_tables.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/recording.h"
@@ -153,6 +153,51 @@ void rig_file(const uint8_t* data, size_t size) {
   expect_result_or_refusal([&] {
     tools::InputLog log;
     expect_usable(tools::read_rig(file.path(), {}, log).calibration);
+  });
+}
+
+// What a RealSense prints, for images of a size that it may have.
+void realsense(const uint8_t* data, size_t size) {
+  const MemoryFile file(data, size);
+  expect_result_or_refusal([&] {
+    const tools::RigFile rig = tools::read_realsense(file.path());
+    tools::InputLog log;
+    tools::RigOptions options;
+    const tools::Lens& lens = rig.cameras.at(0).lens;
+    options.image_size = [&] { return std::pair(lens.width, lens.height); };
+    expect_usable(tools::make_rig(rig, file.path(), options, log).calibration);
+  });
+}
+
+// Messages of a log that says its rig itself, of either encoding: CameraInfo of two cameras, each
+// with its size in front, and transforms.
+void camera_info(const uint8_t* data, size_t size) {
+  if (size < 1) return;
+  const bool cdr = data[0] % 2 == 1;
+  tools::Bytes rest{data + 1, size - 1};
+  const auto next = [&] {
+    const size_t wanted = rest.size < 2 ? 0 : rest.data[0] + size_t{256} * rest.data[1];
+    const size_t head = std::min<size_t>(2, rest.size);
+    const size_t bytes = std::min(wanted, rest.size - head);
+    const tools::Bytes out{rest.data + head, bytes};
+    rest = {rest.data + head + bytes, rest.size - head - bytes};
+    return out;
+  };
+  expect_result_or_refusal([&] {
+    std::vector<tools::LogCamera> cameras;
+    for (const char* topic :
+         {"/left/image_raw", data[0] & 2 ? "/right/image_rect" : "/right/image"}) {
+      tools::CameraInfo info;
+      if (!tools::decode_camera_info(next(), cdr, info)) continue;
+      cameras.push_back({topic, info.frame_id, tools::info_topic_of(topic), info});
+    }
+    std::vector<tools::RosTransform> transforms;
+    (void)tools::decode_transforms(rest, cdr, transforms);
+    if (cameras.empty()) return;
+    const std::string imu = data[0] & 4 ? cameras[0].frame_id : "imu";
+    const tools::RigFile rig = tools::rig_of_log("log", cameras, imu, transforms);
+    tools::InputLog log;
+    expect_usable(tools::make_rig(rig, "log", {}, log).calibration);
   });
 }
 
@@ -501,6 +546,8 @@ const Target kTargets[] = {
     {"order_csv", order_csv},
     {"sensor_yaml", sensor_yaml},
     {"rig_file", rig_file},
+    {"realsense", realsense},
+    {"camera_info", camera_info},
     {"log", log},
     {"trajectory", trajectory},
     {"parameter", parameter},

@@ -39,12 +39,12 @@ const Kind kKinds[] = {
     {"rosbag2_mcap", mcap("zstd"), true},
 };
 
-std::string write(const Kind& kind, const std::string& folder) {
+std::string write(const Kind& kind, const std::string& folder, const char* more = "") {
   const std::string path = folder + "/" + kind.name;
   if (kind.folder) fs::create_directories(path);
   std::string command = kind.write;
   command.replace(command.find("CLIP"), 4, clip()->folder + " " + std::to_string(kPart_s));
-  EXPECT_EQ(std::system((command + " " + path).c_str()), 0) << command;
+  EXPECT_EQ(std::system((command + " " + path + more).c_str()), 0) << command;
   return path;
 }
 
@@ -77,6 +77,27 @@ TEST_P(logs, give_the_trajectory_of_the_folder) {
   }
   options.calibration.clear();
   EXPECT_THROW(tools::open_recording(path, options), tools::InputError);
+}
+
+// Of a driver that publishes CameraInfo and /tf_static no calibration is needed.
+TEST(log_with_rig, gives_the_error_of_the_folder) {
+  if (clip() == nullptr) GTEST_SKIP() << "no clip";
+  const std::string folder = scratch_folder("with_rig");
+  const std::string path = write({"with_rig", mcap("none")}, folder, " rig");
+  tools::RecordingOptions options;
+  options.imu = clip()->folder + "/mav0/imu0/sensor.yaml";
+  const tools::Recording recording = tools::open_recording(path, options);
+  const Calibration& wanted = clip()->calibration;
+  ASSERT_EQ(recording.calibration.cameras, 2);
+  for (int c = 0; c < 2; ++c) {
+    const SE3& T_BC = recording.calibration.camera[c].T_BC;
+    EXPECT_LT((T_BC.R - wanted.camera[c].T_BC.R).norm(), 1e-8);
+    EXPECT_LT((T_BC.p - wanted.camera[c].T_BC.p).norm(), 1e-12);
+  }
+  const Replay run = replay(recording);
+  print("with_rig", run);
+  EXPECT_NEAR(run.result.evaluation.ate_rmse_m, replay(first_part()).result.evaluation.ate_rmse_m,
+              5e-5);
 }
 
 INSTANTIATE_TEST_SUITE_P(all, logs, testing::Range(size_t{0}, std::size(kKinds)),

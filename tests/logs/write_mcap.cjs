@@ -1,6 +1,7 @@
-// write_mcap.cjs ASL_FOLDER DURATION_S COMPRESSION OUT: an MCAP file as rosbag2 writes it.
+// write_mcap.cjs ASL_FOLDER DURATION_S COMPRESSION OUT [rig]: an MCAP file as rosbag2 writes it.
 // npm @mcap/core writes the file, @foxglove/rosmsg2-serialization the messages. COMPRESSION: none,
 // zstd or lz4. With OUT a folder that is there, the file is OUT/clip_0.mcap beside a metadata.yaml.
+// rig: the log says its rig itself, by CameraInfo and /tf_static.
 "use strict";
 const fs = require("fs");
 const path = require("path");
@@ -51,6 +52,31 @@ const TYPES = {
     "=".repeat(80) +
     "\nMSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n",
 };
+const RIG_TYPES = {
+  "sensor_msgs/msg/CameraInfo":
+    HEADER +
+    "uint32 height\nuint32 width\nstring distortion_model\nfloat64[] d\nfloat64[9] k\n" +
+    "float64[9] r\nfloat64[12] p\nuint32 binning_x\nuint32 binning_y\n" +
+    "sensor_msgs/RegionOfInterest roi\n" +
+    COMMON +
+    "=".repeat(80) +
+    "\nMSG: sensor_msgs/RegionOfInterest\nuint32 x_offset\nuint32 y_offset\nuint32 height\n" +
+    "uint32 width\nbool do_rectify\n",
+  "tf2_msgs/msg/TFMessage":
+    "geometry_msgs/TransformStamped[] transforms\n" +
+    COMMON +
+    "=".repeat(80) +
+    "\nMSG: geometry_msgs/TransformStamped\nstd_msgs/Header header\nstring child_frame_id\n" +
+    "geometry_msgs/Transform transform\n" +
+    "=".repeat(80) +
+    "\nMSG: geometry_msgs/Transform\ngeometry_msgs/Vector3 translation\n" +
+    "geometry_msgs/Quaternion rotation\n",
+};
+const RIG_TOPICS = {
+  left_info: ["/cam0/camera_info", "sensor_msgs/msg/CameraInfo"],
+  right_info: ["/cam1/camera_info", "sensor_msgs/msg/CameraInfo"],
+  tf: ["/tf_static", "tf2_msgs/msg/TFMessage"],
+};
 const TOPICS = {
   left: ["/cam0/image_raw/compressed", "sensor_msgs/msg/CompressedImage"],
   right: ["/cam1/image_raw/compressed", "sensor_msgs/msg/CompressedImage"],
@@ -84,7 +110,54 @@ function rows(folder, duration) {
   return out.filter((row) => row.t <= last).sort((a, b) => (a.t < b.t ? -1 : a.t > b.t ? 1 : 0));
 }
 
+function rig_rows(folder, t) {
+  const header = (frame_id) => ({
+    stamp: { sec: Number(t / 1000000000n), nanosec: Number(t % 1000000000n) },
+    frame_id,
+  });
+  const out = [];
+  const transforms = [];
+  for (const [c, side] of [[0, "left"], [1, "right"]]) {
+    const text = fs.readFileSync(path.join(folder, `mav0/cam${c}/sensor.yaml`), "utf8");
+    const numbers = (key) =>
+      new RegExp(key + ":[^\\[]*\\[([^\\]]*)\\]").exec(text)[1].split(",").map(Number);
+    const [fx, fy, cx, cy] = numbers("intrinsics");
+    const [width, height] = numbers("resolution");
+    const info = {
+      header: header(side),
+      height,
+      width,
+      distortion_model: "plumb_bob",
+      d: [...numbers("distortion_coefficients"), 0],
+      k: [fx, 0, cx, 0, fy, cy, 0, 0, 1],
+      r: [1, 0, 0, 0, 1, 0, 0, 0, 1],
+      p: [fx, 0, cx, 0, 0, fy, cy, 0, 0, 0, 1, 0],
+      binning_x: 0,
+      binning_y: 0,
+      roi: { x_offset: 0, y_offset: 0, height: 0, width: 0, do_rectify: false },
+    };
+    out.push({ t, kind: side + "_info", content: info });
+    const T = numbers("T_BS");
+    // Of a turn whose w is not small.
+    const w = Math.sqrt(1 + T[0] + T[5] + T[10]) / 2;
+    const rotation = {
+      x: (T[9] - T[6]) / (4 * w),
+      y: (T[2] - T[8]) / (4 * w),
+      z: (T[4] - T[1]) / (4 * w),
+      w,
+    };
+    const translation = { x: T[3], y: T[7], z: T[11] };
+    transforms.push({
+      header: header("imu"),
+      child_frame_id: side,
+      transform: { translation, rotation },
+    });
+  }
+  return [...out, { t, kind: "tf", content: { transforms } }];
+}
+
 function content(row) {
+  if (row.content) return row.content;
   const header = {
     stamp: { sec: Number(row.t / 1000000000n), nanosec: Number(row.t % 1000000000n) },
     frame_id: row.kind,
@@ -111,7 +184,7 @@ function content(row) {
 }
 
 async function main() {
-  const [folder, duration, compression, target] = process.argv.slice(2);
+  const [folder, duration, compression, target, rig] = process.argv.slice(2);
   const inside = fs.existsSync(target);
   const file = fs.openSync(inside ? path.join(target, "clip_0.mcap") : target, "w");
   let at = 0n;
@@ -134,8 +207,8 @@ async function main() {
   const writer = new McapWriter(options);
   await writer.start({ profile: "ros2", library: "test" });
   const channels = {};
-  for (const [kind, [topic, type]] of Object.entries(TOPICS)) {
-    const definition = TYPES[type];
+  for (const [kind, [topic, type]] of Object.entries({ ...TOPICS, ...(rig ? RIG_TOPICS : {}) })) {
+    const definition = { ...TYPES, ...RIG_TYPES }[type];
     const schemaId = await writer.registerSchema({
       name: type,
       encoding: "ros2msg",
@@ -149,7 +222,9 @@ async function main() {
     });
     channels[kind] = { id, write: new MessageWriter(parse(definition, { ros2: true })), n: 0 };
   }
-  for (const row of rows(folder, Number(duration))) {
+  const all = rows(folder, Number(duration));
+  if (rig) all.unshift(...rig_rows(folder, all[0].t));
+  for (const row of all) {
     const channel = channels[row.kind];
     await writer.addMessage({
       channelId: channel.id,

@@ -149,8 +149,54 @@ def okvis(cameras, folder):
     return write(folder / "euroc.yaml", text)
 
 
+def depthai(cameras, folder):
+    """The right camera against the left one, the IMU against the left one; in cm."""
+    def link(T, socket):
+        translation = dict(zip("xyz", (100 * T[3], 100 * T[7], 100 * T[11])))
+        return {"rotationMatrix": [T[0:3], T[4:7], T[8:11]], "toCameraSocket": socket,
+                "translation": translation, "specTranslation": translation}
+
+    none = {"rotationMatrix": [], "toCameraSocket": -1,
+            "translation": dict(x=0, y=0, z=0), "specTranslation": dict(x=0, y=0, z=0)}
+    data = []
+    for socket, camera in enumerate(cameras, 1):
+        fx, fy, cx, cy = camera.k
+        T = product(inverse(cameras[0].T), camera.T)
+        data.append([socket, {"cameraType": 0, "width": camera.size[0], "height": camera.size[1],
+                              "intrinsicMatrix": [[fx, 0, cx], [0, fy, cy], [0, 0, 1]],
+                              "distortionCoeff": camera.d + [0] * 10, "lensPosition": 0,
+                              "extrinsics": none if socket == 1 else link(T, 1)}])
+    write_imu(folder / "imu.yaml")
+    return write(folder / "oak.json", json.dumps(
+        {"boardName": "DM9098", "cameraData": data, "version": 7,
+         "imuExtrinsics": link(inverse(cameras[0].T), 1),
+         "stereoRectificationData": {"leftCameraSocket": 1, "rightCameraSocket": 2}}, indent=4))
+
+
+def realsense(cameras, folder):
+    text = "Intrinsic Parameters:\n\n"
+    for n, camera in enumerate(cameras, 1):
+        for part in (2, 1):  # of another size, too
+            width, height = (side // part for side in camera.size)
+            text += f' Intrinsic of "Infrared {n}" / {width}x{height} / {{Y8}}\n'
+            names = ("Fx", "Fy", "PPX", "PPY")
+            for name, value in [("Width", width), ("Height", height),
+                                *zip(names, (k / part for k in camera.k)),
+                                ("Distortion", "Brown Conrady")]:
+                text += f"  {name + ':':<12}\t{value}\n"
+            text += "  Coeffs:     " + "".join(f"\t{d}  " for d in camera.d + [0.0]) + "\n\n"
+    text += "\nExtrinsic Parameters:\n"
+    for n, camera in enumerate(cameras, 1):
+        T = camera.T
+        rows = "".join("".join(f"   {v!r}" for v in T[i:i + 3]) + "\n" for i in (0, 4, 8))
+        text += (f'Extrinsic from "Infrared {n}"\t  To\t  "Gyro" :\n Rotation Matrix:\n{rows}\n'
+                 f" Translation Vector: {T[3]!r}  {T[7]!r}  {T[11]!r}  \n\n")
+    write_imu(folder / "imu.yaml")
+    return write(folder / "d435i.txt", text)
+
+
 FAMILIES = {"Kalibr": chain, "OpenVINS": openvins, "Basalt": basalt, "ORB-SLAM3": orbslam,
-            "VINS-Fusion": vins, "OKVIS2": okvis}
+            "VINS-Fusion": vins, "OKVIS2": okvis, "DepthAI": depthai, "RealSense": realsense}
 
 
 def turn(folder, cv2, how):

@@ -7,6 +7,7 @@
 
 #include "tools/dataset/assemble.h"
 #include "tools/dataset/gnss_file.h"
+#include "tools/dataset/image_size.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/order_file.h"
 #include "tools/dataset/sensor_tables.h"
@@ -238,6 +239,11 @@ Rig read_folder_rig(const std::string& mav0, const RecordingOptions& options,
   how.cameras = options.cameras;
   how.mono = options.mono;
   how.fallback_imu = mav0 + "/imu0/sensor.yaml";
+  how.image_size = [&] {
+    const int left = options.cameras.empty() ? 0 : options.cameras[0];
+    const std::string camera = mav0 + "/cam" + std::to_string(left);
+    return image_size_in({camera + "/data", camera, camera + "/images"});
+  };
   Rig rig = options.calibration.empty() ? read_asl_rig(mav0, how, recording)
                                         : read_rig(options.calibration, how, recording);
   const bool alone = !fs::is_directory(mav0 + "/cam" + std::to_string(rig.camera[1]));

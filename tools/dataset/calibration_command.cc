@@ -18,12 +18,19 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string in, out, imu;
+  std::string in, out, imu, size;
   std::vector<int> cameras;
 };
 
 Calibration read(const Options& options) {
   RigOptions how;
+  if (int width = 0, height = 0; !options.size.empty()) {
+    char rest = 0;
+    if (std::sscanf(options.size.c_str(), "%dx%d%c", &width, &height, &rest) != 2) {
+      throw InputError("not a size", "--size " + options.size, "give it as 848x480");
+    }
+    how.image_size = [=] { return std::pair(width, height); };
+  }
   how.imu = options.imu;
   how.cameras = options.cameras;
   how.as_mounted = true;
@@ -58,6 +65,9 @@ std::function<int()> declare(CLI::App& app) {
   app.add_option("--imu", o->imu,
                  "noise densities, Kalibr's imu.yaml or an ASL sensor.yaml, where none stands "
                  "beside the camchain");
+  app.add_option(
+      "--size", o->size,
+      "WIDTHxHEIGHT of the images, where IN has lenses for several (RealSense, DepthAI)");
   app.add_option("--cameras", o->cameras, "LEFT,RIGHT, or one alone, as numbered in IN")
       ->delimiter(',')
       ->expected(1, 2)

@@ -82,13 +82,14 @@ RigNoise noise_from(const std::string& path) {
                    "missing value: gyroscope_noise_density and its like (docs/formats.md)");
 }
 
-void set_noise(const std::optional<RigNoise>& own, const std::string& path,
-               const RigOptions& options, Rig& rig, InputLog& log) {
+void set_noise(const std::optional<RigNoise>& own, const std::optional<RigNoise>& usual,
+               const std::string& path, const RigOptions& options, Rig& rig, InputLog& log) {
   std::optional<RigNoise> noise = own;
   if (!options.imu.empty()) noise = noise_from(options.imu);
   if (!noise) noise = noise_beside(path);
   const bool fallback = !noise && !options.fallback_imu.empty() && fs::exists(options.fallback_imu);
   if (fallback) noise = noise_from(options.fallback_imu);
+  if (!noise) noise = usual;
   rig.has_rate = noise && noise->has_rate;
   if (noise) rig.calibration.imu = noise->noise;
   // Densities from elsewhere say nothing of them.
@@ -188,7 +189,7 @@ Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& l
     rig.calibration.imu = own->noise;
     rig.calibration.imu_intrinsics = own->intrinsics;
   } else {
-    set_noise(own, imu.path(), options, rig, log);
+    set_noise(own, std::nullopt, imu.path(), options, rig, log);
   }
   // The file's body and the IMU are nearly always one; where not, ours is the IMU.
   const SE3 T_SB =
@@ -242,15 +243,24 @@ Rig read_rig(const std::string& path, const RigOptions& options, InputLog& log) 
   if (fs::path(path).extension() == ".cfg") {
     Rig rig = read_device_file(path);
     if (options.mono) rig.calibration.cameras = 1;
-    if (!options.imu.empty()) set_noise(std::nullopt, path, options, rig, log);
+    if (!options.imu.empty()) set_noise(std::nullopt, std::nullopt, path, options, rig, log);
     return rig;
   }
-  const RigFile file = read_rig_file(path);
+  return make_rig(read_rig_file(path), path, options, log);
+}
+
+Rig make_rig(const RigFile& file, const std::string& path, const RigOptions& options,
+             InputLog& log) {
   Rig rig;
   choose(options, file.cameras.size(), path, rig);
-  set_noise(file.imu, path, options, rig, log);
+  for (const std::string& note : file.notes) log.note(note);
+  set_noise(file.imu, file.usual, path, options, rig, log);
+  std::pair<int, int> size;
+  const bool sizes = file.resizes || file.cameras[0].sizes.size() > 1;
+  if (sizes && options.image_size) size = options.image_size();
   for (int c = 0; c < rig.calibration.cameras; ++c) {
-    const RigCamera& read = file.cameras[size_t(rig.camera[c])];
+    RigCamera read = file.cameras[size_t(rig.camera[c])];
+    read.lens = lens_at(file, read, size.first, size.second, path);
     rig.shift_ns[c] = read.shift_ns;
     rig.calibration.camera[c] = camera_of(read, path, log);
   }

@@ -12,7 +12,9 @@
 // Source  ASL data set format (Burri et al., IJRR 2016); docs/formats.md.
 #pragma once
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "modules/calibration/calibration.h"
@@ -21,12 +23,17 @@
 
 namespace pirvs::tools {
 
+struct RigFile;
+
 struct RigOptions {
   std::string imu;           // a file with noise densities; empty: the calibration's own
   std::string fallback_imu;  // used if there are none, if it exists
   std::vector<int> cameras;  // left and right, as numbered in the file; empty: 0 and 1
   bool mono = false;
   bool as_mounted = false;  // of a device, which turns no images
+  // Width and height of the images, asked if the file has lenses for several sizes; empty: not
+  // known. A pair of zeros: no image is to be had.
+  std::function<std::pair<int, int>()> image_size;
 };
 
 struct Rig {
@@ -39,6 +46,9 @@ struct Rig {
 
 // By what the file is.
 Rig read_rig(const std::string& path, const RigOptions& options, InputLog& log);
+// `path`: what it was read from.
+Rig make_rig(const RigFile& file, const std::string& path, const RigOptions& options,
+             InputLog& log);
 // mav0 holds cam0/sensor.yaml, imu0/sensor.yaml, perhaps cam1/sensor.yaml.
 Rig read_asl_rig(const std::string& mav0, const RigOptions& options, InputLog& log);
 

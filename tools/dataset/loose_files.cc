@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "tools/dataset/assemble.h"
+#include "tools/dataset/image_size.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/loose_tables.h"
 #include "tools/dataset/sensor_tables.h"
@@ -259,6 +260,12 @@ void read_loose_files(const std::string& path, const RecordingOptions& options,
   how.imu = options.imu;
   how.cameras = options.cameras;
   how.mono = options.mono || cameras.size() < 2;
+  how.image_size = [&] {
+    if (files.videos.empty()) return image_size_in({cameras[0]});
+    cv::Mat grey;
+    VideoImages(files.videos).read(VideoImages::key_of(0, 0), grey);
+    return std::pair(grey.cols, grey.rows);
+  };
   const Rig rig = read_rig(calibration, how, recording);
   for (int c = 0; c < rig.calibration.cameras; ++c) {
     if (size_t(rig.camera[c]) < std::min<size_t>(2, cameras.size())) continue;

@@ -23,7 +23,8 @@ float angle_between(const Ray3& a, const Ray3& b) {
 
 }  // namespace
 
-Renderer::Renderer(const Camera& camera, const Scene& scene, const Path& path)
+Renderer::Renderer(const Camera& camera, const Scene& scene, const Path& path,
+                   const std::vector<Vec3>& rays_C)
     : camera_(camera), scene_(scene), path_(path) {
   const size_t pixels = size_t(camera.width) * size_t(camera.height);
   rays_C_.resize(pixels);
@@ -35,7 +36,9 @@ Renderer::Renderer(const Camera& camera, const Scene& scene, const Path& path)
     for (int x = 0; x < camera.width; ++x) {
       const size_t i = size_t(y) * size_t(camera.width) + size_t(x);
       Vec3 bearing_C;
-      const bool seen = camera.unproject(Vec2(x, y), bearing_C);
+      if (!rays_C.empty()) bearing_C = rays_C[i];
+      const bool seen =
+          rays_C.empty() ? camera.unproject(Vec2(x, y), bearing_C) : !bearing_C.isZero(0);
       if (!seen) bearing_C = Vec3(0, 0, 1);
       rays_C_[i] = {float(bearing_C.x()), float(bearing_C.y()), float(bearing_C.z())};
       const float c = std::max(0.0f, rays_C_[i].z);

@@ -29,7 +29,9 @@ struct Exposure {
 
 class Renderer {
  public:
-  Renderer(const Camera& camera, const Scene& scene, const Path& path);
+  // rays_C: those of the pixels, where the camera's own are not what its lens does; zero: none.
+  Renderer(const Camera& camera, const Scene& scene, const Path& path,
+           const std::vector<Vec3>& rays_C = {});
 
   void render(const Exposure& exposure, std::vector<uint8_t>& image);
 

@@ -14,6 +14,7 @@
 #include "modules/imu/imu_params.h"
 #include "modules/mapping/mapping_params.h"
 #include "modules/recorder/sensor_yaml.h"
+#include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/calibration_file.h"
 #include "tools/dataset/input_error.h"
 #include "tools/dataset/text_file.h"
@@ -36,6 +37,7 @@ struct Job {
   Path path;
   Scene scene;
   std::vector<double> frame_s;
+  std::vector<Vec3> rays_C[2];  // of a lens that the stack does not compute, else empty
 };
 
 using LongLong = long long;  // what %lld prints
@@ -63,6 +65,14 @@ Device calibrated_device(const std::string& path) {
   R_LC << 0, 0, 1, -1, 0, 0, 0, -1, 0;
   out.R_LB = R_LC * out.calibration.camera[0].T_BC.R.transpose();
   return out;
+}
+
+// What a file's lens does itself, where the calibration only comes near it.
+std::vector<Vec3> own_rays(const std::string& path, size_t camera) {
+  if (find_device(path) != nullptr || fs::path(path).extension() == ".cfg") return {};
+  const RigFile file = read_rig_file(path);
+  const Lens lens = lens_at(file, file.cameras.at(camera), 0, 0, path);
+  return fit(lens).exact ? std::vector<Vec3>() : rays_of(lens);
 }
 
 Device make_device(const SimOptions& options) {
@@ -261,7 +271,7 @@ void draw_frames(const Job& job, std::atomic<size_t>& next, const std::function<
   std::unique_ptr<Renderer> renderer[2];
   for (int c = 0; c < 2; ++c) {
     const Camera& camera = job.device.calibration.camera[c];
-    renderer[c] = std::make_unique<Renderer>(camera, job.scene, job.path);
+    renderer[c] = std::make_unique<Renderer>(camera, job.scene, job.path, job.rays_C[c]);
   }
   std::vector<uint8_t> pixels;
   for (size_t i = next++; i < job.frame_s.size(); i = next++) {
@@ -320,7 +330,8 @@ void simulate(const SimOptions& options, const SimProgress& progress) {
   const Device device = make_device(options);
   Path path = make_path(options, device);
   Scene scene(path, make_scene_options(options, make_pillar(options, device, path)));
-  Job job{options, device, std::move(path), std::move(scene), {}};
+  Job job{options, device, std::move(path), std::move(scene), {}, {}};
+  for (size_t c = 0; c < 2; ++c) job.rays_C[c] = own_rays(options.device, c);
   const double end_s = job.path.duration_s() - kLastFrame_s;
   for (size_t i = 0;; ++i) {
     const double t_s = kFirstFrame_s + double(i) / device.camera_rate_hz;

@@ -16,8 +16,8 @@ void declare_world(CLI::App& app, SimOptions& o) {
   app.add_option(
          "--camera", o.device,
          "euroc: 752x480 20 Hz radtan; ironsides: 640x480 60 Hz fisheye; tumvi: 512x512 20 Hz "
-         "fisheye; t265: 848x800 30 Hz fisheye; oakd: 1280x800 30 Hz pinhole; or a file of "
-         "`pirvs calib`: that device, with the errors of its IMU")
+         "fisheye; t265: 848x800 30 Hz fisheye; oakd: 1280x800 30 Hz pinhole; or a calibration: "
+         "that device, drawn by the formula of its own lenses, with the errors of its IMU")
       ->capture_default_str();
   app.add_option("--path", o.path,
                  "trajectory: 'spline' (random flight), 'rest', 'steady' (constant velocity), "

@@ -66,7 +66,9 @@ Document::Document(const std::string& path) : path_(path) {
       root_ = YAML::Load(content);
     }
   } catch (const YAML::Exception& error) {
-    fail("not YAML", "line " + std::to_string(error.mark.line + 1));
+    const bool json = first != std::string::npos && content[first] == '{';
+    fail(json ? "not JSON, or cut off" : "not YAML", "line " + std::to_string(error.mark.line + 1),
+         json ? "write the file again" : "repair the calibration");
   } catch (const std::runtime_error& error) {
     fail(error.what(), "the file");
   }

@@ -18,6 +18,8 @@ namespace pirvs::tools {
 class Document {
  public:
   explicit Document(const std::string& path);
+  // What was read by other means, and where.
+  Document(std::string path, const YAML::Node& root) : path_(std::move(path)), root_(root) {}
 
   const YAML::Node& root() const { return root_; }
   const std::string& path() const { return path_; }

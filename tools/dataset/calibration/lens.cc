@@ -10,12 +10,24 @@ namespace {
 
 constexpr double kDepthMin = 1e-6;
 
-Vec2 radtan(const std::array<double, 12>& d, const Vec2& m) {
+// A sensor that is tilted by two angles about its x and y axes.
+Vec2 tilted(double tau_x, double tau_y, const Vec2& m) {
+  if (tau_x == 0 && tau_y == 0) return m;
+  const double cx = std::cos(tau_x), sx = std::sin(tau_x);
+  const double cy = std::cos(tau_y), sy = std::sin(tau_y);
+  Mat3 R;
+  R << cy, sx * sy, -sy * cx, 0, cx, sx, sy, -cy * sx, cy * cx;
+  const Vec3 p = R * Vec3(m.x(), m.y(), 1);
+  return {(R(2, 2) * p.x() - R(0, 2) * p.z()) / p.z(), (R(2, 2) * p.y() - R(1, 2) * p.z()) / p.z()};
+}
+
+Vec2 radtan(const std::array<double, 14>& d, const Vec2& m) {
   const double x = m.x(), y = m.y(), u = m.squaredNorm();
   const double radial =
       (1 + u * (d[0] + u * (d[1] + u * d[4]))) / (1 + u * (d[5] + u * (d[6] + u * d[7])));
-  return {x * radial + 2 * d[2] * x * y + d[3] * (u + 2 * x * x) + u * (d[8] + u * d[9]),
-          y * radial + d[2] * (u + 2 * y * y) + 2 * d[3] * x * y + u * (d[10] + u * d[11])};
+  return tilted(d[12], d[13],
+                {x * radial + 2 * d[2] * x * y + d[3] * (u + 2 * x * x) + u * (d[8] + u * d[9]),
+                 y * radial + d[2] * (u + 2 * y * y) + 2 * d[3] * x * y + u * (d[10] + u * d[11])});
 }
 
 // From the plane at z = 1, or what a projection has instead of it, to the distorted one.
@@ -86,9 +98,11 @@ bool step_to(const Lens& lens, const Vec2& uv, Vec2& angles) {
 // The ray of a pixel, found along the line from the principal point, so that it is that of the
 // model's first branch.
 bool unproject(const Lens& lens, const Vec2& uv, Vec3& out) {
-  constexpr double kStride_px = 16;
+  constexpr double kStride_px = 16, kStrides_max = 4096;  // a principal point far off is nonsense
   const Vec2 centre(lens.cx, lens.cy);
-  const int steps = 1 + int((uv - centre).norm() / kStride_px);
+  const double strides = (uv - centre).norm() / kStride_px;
+  if (!(strides < kStrides_max)) return false;
+  const int steps = 1 + int(strides);
   Vec2 angles = Vec2::Zero();
   for (int i = 1; i <= steps; ++i) {
     if (!step_to(lens, centre + (uv - centre) * (double(i) / steps), angles)) return false;
@@ -291,6 +305,33 @@ LensFit fit(const Lens& lens) {
   if (!narrow) return fisheye;
   const LensFit radtan = fitted(CameraModel::kPinholeRadtan, lens, sights, x);
   return worst(radtan) < worst(fisheye) ? radtan : fisheye;
+}
+
+std::vector<Vec3> rays_of(const Lens& lens) {
+  const int width = lens.width, height = lens.height;
+  const Vec2 none(NAN, NAN);
+  std::vector<Vec2> angles(size_t(width) * size_t(height), none);
+  const auto at = [&](int x, int y) -> Vec2& {
+    return angles[size_t(y) * size_t(width) + size_t(x)];
+  };
+  // From the principal point outwards, each pixel from its neighbour, so that it is on the model's
+  // first branch.
+  const auto find = [&](int x, int y, Vec2 from) {
+    if (from.allFinite() && step_to(lens, Vec2(x, y), from)) at(x, y) = from;
+  };
+  const int cx = std::clamp(int(std::lround(lens.cx)), 0, width - 1);
+  const int cy = std::clamp(int(std::lround(lens.cy)), 0, height - 1);
+  find(cx, cy, Vec2::Zero());
+  for (int x = cx - 1; x >= 0; --x) find(x, cy, at(x + 1, cy));
+  for (int x = cx + 1; x < width; ++x) find(x, cy, at(x - 1, cy));
+  for (int x = 0; x < width; ++x) {
+    for (int y = cy - 1; y >= 0; --y) find(x, y, at(x, y + 1));
+    for (int y = cy + 1; y < height; ++y) find(x, y, at(x, y - 1));
+  }
+  std::vector<Vec3> out;
+  out.reserve(angles.size());
+  for (const Vec2& a : angles) out.push_back(a.allFinite() ? ray(a) : Vec3(Vec3::Zero()));
+  return out;
 }
 
 }  // namespace pirvs::tools

@@ -85,6 +85,29 @@ TEST(lens, real_lenses_are_fitted) {
   }
 }
 
+TEST(lens, rays_are_those_of_the_pixels) {
+  for (const Real& real : real_lenses()) {
+    Lens small = real.lens;  // for the time that it takes
+    constexpr int kSmaller = 16;
+    small.width /= kSmaller;
+    small.height /= kSmaller;
+    for (double* const k : {&small.fx, &small.fy, &small.cx, &small.cy}) *k /= kSmaller;
+    const std::vector<Vec3> rays = rays_of(small);
+    const auto width = size_t(small.width);
+    ASSERT_EQ(rays.size(), width * size_t(small.height));
+    size_t seen = 0;
+    for (size_t i = 0; i < rays.size(); ++i) {
+      if (rays[i].isZero(0)) continue;
+      ++seen;
+      Vec2 uv;
+      ASSERT_TRUE(small.project(rays[i], uv)) << real.what;
+      EXPECT_NEAR(uv.x(), double(i % width), 1e-6) << real.what;
+      EXPECT_NEAR(uv.y(), double(i / width), 1e-6) << real.what;
+    }
+    EXPECT_GT(seen, rays.size() * 9 / 10) << real.what;
+  }
+}
+
 TEST(lens, what_the_stack_has_is_taken_as_it_is) {
   const std::array<double, 6> k = {640, 480, 385.7, 385.2, 323.1, 236.7};
   const LensFit none = fit(lens(Projection::kPinhole, Distortion::kNone, 0, 0, {}, k));
@@ -102,6 +125,14 @@ TEST(lens, what_the_stack_has_is_taken_as_it_is) {
   EXPECT_EQ(fisheye.camera.model, CameraModel::kKannalaBrandt);
 }
 
+TEST(lens, a_principal_point_far_off_is_refused_at_once) {
+  Lens far = real_lenses()[1].lens;
+  for (const double cx : {1e9, 1e300, -1e12}) {
+    far.cx = cx;
+    EXPECT_GT(fit(far).error_px, 0.1) << cx;
+  }
+}
+
 TEST(lens, a_lens_that_neither_model_has_says_how_far_it_is_off) {
   // Decentred beyond what a fisheye can be, wider than a plane can hold.
   const LensFit found = fit(lens(Projection::kOmni, Distortion::kRadtan, 1.5, 0,
@@ -109,8 +140,11 @@ TEST(lens, a_lens_that_neither_model_has_says_how_far_it_is_off) {
   EXPECT_GT(found.error_px, 0.1);
 }
 
+// All 14 coefficients, those of a thin prism and of a tilted sensor too.
 TEST(lens, radtan_is_opencvs) {
-  const Lens wide = real_lenses()[5].lens;
+  Lens wide = real_lenses()[5].lens;
+  const double rest[] = {0.001, -0.002, 0.003, 0.0005, 0.05, -0.03};
+  std::copy(std::begin(rest), std::end(rest), wide.d.begin() + 8);
   const cv::Mat K = (cv::Mat_<double>(3, 3) << wide.fx, 0, wide.cx, 0, wide.fy, wide.cy, 0, 0, 1);
   std::vector<double> d(wide.d.begin(), wide.d.end());
   std::vector<cv::Point2d> out;

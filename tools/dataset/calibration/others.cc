@@ -84,6 +84,8 @@ SE3 depthai_extrinsics(const Document& file, const YAML::Node& node, const char*
   return out;
 }
 
+constexpr double kDepthaiUnset = 64;  // -1, or that in a byte
+
 struct DepthaiCamera {
   int socket = 0;
   YAML::Node data;
@@ -96,7 +98,6 @@ struct DepthaiEnd {
 };
 
 DepthaiEnd depthai_end(const Document& file, const std::vector<DepthaiCamera>& all, int from) {
-  constexpr double kSockets = 64;
   DepthaiEnd out{from, {}};
   for (size_t steps = 0; steps <= all.size(); ++steps) {
     const auto found = std::find_if(all.begin(), all.end(),
@@ -106,7 +107,7 @@ DepthaiEnd depthai_end(const Document& file, const std::vector<DepthaiCamera>& a
     if (!link) file.fail("missing value", "extrinsics");
     const double next = file.number(link, "toCameraSocket", -1);
     if (next < 0) return out;
-    if (next > kSockets) break;
+    if (next >= kDepthaiUnset) return out;
     out.T = depthai_extrinsics(file, link, "extrinsics") * out.T;
     out.socket = int(next);
   }
@@ -130,7 +131,13 @@ Lens depthai_lens(const Document& file, const YAML::Node& data) {
   const auto K = file.numbers(data, "intrinsicMatrix", 9);
   set_intrinsics(file, {K[0], K[4], K[2], K[5]}, "intrinsicMatrix", lens);
   auto d = file.numbers(data, "distortionCoeff");
-  const bool fisheye = file.number(data, "cameraType", 0) != 0;
+  constexpr double kPerspective = 0, kFisheye = 1;
+  const double type = file.number(data, "cameraType", kPerspective);
+  if (type != kPerspective && type != kFisheye) {
+    file.fail("unknown camera type (known: 0, perspective, and 1, fisheye)", "cameraType",
+              "calibrate with Kalibr (docs/sensors.md)");
+  }
+  const bool fisheye = type == kFisheye;
   if (fisheye) d.resize(4);
   set_distortion(file, fisheye ? "equi" : "radtan", "cameraType", d, "distortionCoeff", lens);
   return lens;
@@ -209,12 +216,15 @@ RigFile read_depthai(const Document& file) {
   }
   const YAML::Node pair = file.root()["stereoRectificationData"];
   const bool known = pair && pair.IsMap();
-  const double sockets[2] = {known ? file.number(pair, "leftCameraSocket", 1) : 1,
-                             known ? file.number(pair, "rightCameraSocket", 2) : 2};
+  const auto socket_of = [&](const char* key, double usual) {
+    const double socket = known ? file.number(pair, key, usual) : usual;
+    return socket < 0 || socket >= kDepthaiUnset ? usual : socket;
+  };
+  const double sockets[2] = {socket_of("leftCameraSocket", 1), socket_of("rightCameraSocket", 2)};
   const YAML::Node imu = file.root()["imuExtrinsics"];
   if (!imu) file.fail("missing value", "imuExtrinsics");
   const double at = file.number(imu, "toCameraSocket", -1);
-  if (!(at >= 0 && at < 64)) {
+  if (!(at >= 0 && at < kDepthaiUnset)) {
     file.fail("the device has no extrinsics here", "imuExtrinsics",
               "calibrate cameras against the IMU with Kalibr (docs/sensors.md)");
   }
@@ -223,13 +233,18 @@ RigFile read_depthai(const Document& file) {
   for (const double socket : sockets) {
     const auto found = std::find_if(
         all.begin(), all.end(), [&](const DepthaiCamera& c) { return double(c.socket) == socket; });
-    if (found == all.end()) file.fail("no camera at the stereo pair's socket", "cameraData");
+    if (found == all.end()) {
+      file.fail("no camera at the stereo pair's socket " + std::to_string(int(socket)),
+                "cameraData", "read the EEPROM again: calibHandler.eepromToJsonFile(FILE)");
+    }
     RigCamera camera;
     camera.name = "cam" + std::to_string(out.cameras.size());
     camera.lens = depthai_lens(file, found->data);
     camera.T_BC = T_KB.inverse() * depthai_transform(file, all, found->socket, int(at));
     out.cameras.push_back(camera);
   }
+  out.resizes = true;
+  out.usual = small_imu("a BMI270's");
   return out;
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <string_view>
 
+#include "tools/dataset/input_error.h"
+
 namespace pirvs::tools {
 namespace {
 
@@ -111,12 +113,14 @@ std::optional<RigNoise> noise_of(const Document& file) {
 }
 
 std::optional<RigNoise> find_noise(const std::string& path) {
+  if (is_realsense(path)) return std::nullopt;
   const Document file(path);
   if (file.has(file.root(), "relative_config_imu")) return read_openvins(file).imu;
   return noise_of(file);
 }
 
 RigFile read_rig_file(const std::string& path) {
+  if (is_realsense(path)) return read_realsense(path);
   const Document file(path);
   for (const Family& family : kFamilies) {
     for (const char* key : family.keys) {
@@ -128,8 +132,65 @@ RigFile read_rig_file(const std::string& path) {
   }
   file.fail(
       "not a calibration that is known here (Kalibr, OpenVINS, Basalt, ORB-SLAM3 1.0, VINS-Fusion, "
-      "OKVIS2, DepthAI, a device's .cfg)",
+      "OKVIS2, DepthAI, RealSense, a device's .cfg)",
       "missing value: cam0", "give one of these, or write Kalibr's camchain (docs/formats.md)");
+}
+
+namespace {
+
+// Scaled so that it fills the images, the rest cropped evenly, as DepthAI does.
+Lens resized(const Lens& lens, int width, int height) {
+  Lens out = lens;
+  const double scale = std::max(double(width) / lens.width, double(height) / lens.height);
+  const auto centre = [&](double c, int from, int to) {  // (0, 0) is a pixel's centre
+    return (c + 0.5) * scale - 0.5 - (from * scale - to) / 2;
+  };
+  out.width = width;
+  out.height = height;
+  out.fx *= scale;
+  out.fy *= scale;
+  out.cx = centre(lens.cx, lens.width, width);
+  out.cy = centre(lens.cy, lens.height, height);
+  return out;
+}
+
+}  // namespace
+
+Lens lens_at(const RigFile& rig, const RigCamera& camera, int width, int height,
+             const std::string& path) {
+  const bool known = width > 0 && height > 0;
+  if (rig.resizes && known && (width > height) == (camera.lens.width > camera.lens.height)) {
+    return resized(camera.lens, width, height);
+  }
+  if (camera.sizes.size() < 2) return camera.lens;
+  std::string all;
+  for (const Lens& lens : camera.sizes) {
+    if (lens.width == width && lens.height == height) return lens;
+    all += (all.empty() ? "" : ", ") + std::to_string(lens.width) + " x " +
+           std::to_string(lens.height);
+  }
+  const std::string asked = std::to_string(width) + " x " + std::to_string(height);
+  const bool turned = std::any_of(camera.sizes.begin(), camera.sizes.end(), [&](const Lens& lens) {
+    return lens.width == height && lens.height == width;
+  });
+  throw InputError(
+      known ? "no lens for images of " + asked : "it has lenses for images of several sizes",
+      path + ", " + camera.name + " (" + all + ")",
+      turned  ? "width and height are exchanged: give the calibration of the images as they are"
+      : known ? "give the calibration of this recording with --calib"
+              : "say which to `pirvs calibration` with --size, as 848x480");
+}
+
+RigNoise small_imu(const char* whose) {
+  // BMI055, BMI270: 0.014 and 0.007 deg/s/sqrt(Hz), 150 and 160 ug/sqrt(Hz) by their data sheets,
+  // of which the larger one times two; the walks as TUM-VI gives them for a BMI160.
+  RigNoise out;
+  out.noise.gyro_noise = 4.9e-4;
+  out.noise.gyro_walk = 2.2e-5;
+  out.noise.accel_noise = 3.1e-3;
+  out.noise.accel_walk = 8.6e-4;
+  out.from = std::string("the data sheet, ") + whose + " times two, as the file has none (--imu)";
+  return out;
 }
 
 std::vector<std::string> rig_topics(const std::string& path) {
@@ -167,11 +228,9 @@ void set_distortion(const Document& file, const std::string& model, const char* 
     need(zero, "the model has no distortion and takes no numbers but 0");
   } else if (is_one_of(model, {"radtan", "radial-tangential", "radialtangential", "plumb_bob",
                                "radtan8", "radialtangential8", "rational_polynomial", "radtan5"})) {
-    constexpr size_t kTilt = 12;  // a tilted sensor's two, behind the others
     need(d.empty() || d.size() == 4 || d.size() == 5 || d.size() == 8 || d.size() == 12 ||
              d.size() == 14,
          "needs 0, 4, 5, 8, 12 or 14 numbers");
-    for (size_t i = kTilt; i < d.size(); ++i) need(d[i] == 0, "a tilted sensor is not known here");
     lens.distortion = zero ? Distortion::kNone : Distortion::kRadtan;
     std::copy_n(d.begin(), std::min(d.size(), lens.d.size()), lens.d.begin());
   } else if (is_one_of(model, {"equidistant", "equi", "equidist", "fisheye", "kannala_brandt"})) {

@@ -165,6 +165,22 @@ TEST_F(rig_file, basalt_is_json) {
                 "\"k1\":0.1,\"k2\":0.2,\"k3\":0.3,\"k4\":0.4}"));
   EXPECT_EQ(kb4.cameras[0].lens.distortion, Distortion::kEquidistant);
   EXPECT_EQ(kb4.cameras[0].lens.d[3], 0.4);
+  const std::string k = "\"intrinsics\":{\"fx\":1,\"fy\":2,\"cx\":3,\"cy\":4";
+  const auto lens = [&](const std::string& type, const std::string& more) {
+    return read(text(("\"" + type + "\"," + k + more + "}").c_str())).cameras.at(1).lens;
+  };
+  const Lens eucm = lens("eucm", ",\"alpha\":0.6,\"beta\":1.1"),
+             ucm = lens("ucm", ",\"alpha\":0.6");
+  EXPECT_EQ(eucm.projection, Projection::kEucm);
+  EXPECT_EQ(eucm.b, 1.1);
+  EXPECT_EQ(ucm.a, 0.6);
+  EXPECT_EQ(ucm.b, 1);
+  EXPECT_EQ(lens("pinhole", "").distortion, Distortion::kNone);
+  const Lens rational = lens("pinhole-radtan8",
+                             ",\"k1\":1,\"k2\":2,\"p1\":3,\"p2\":4,\"k3\":5,\"k4\":6,\"k5\":7,"
+                             "\"k6\":8,\"rpmax\":9");
+  for (size_t i = 0; i < 8; ++i) EXPECT_EQ(rational.d[i], double(i + 1));
+  EXPECT_EQ(rational.cy, 4);
 }
 
 TEST_F(rig_file, orbslam_stands_by_its_left_camera) {
@@ -249,28 +265,58 @@ TEST_F(rig_file, okvis_delays_images) {
   expect_noise(rig);
   EXPECT_EQ(rig.cameras[0].shift_ns, 7'800'000);
   EXPECT_EQ(rig.cameras[1].lens.distortion, Distortion::kEquidistant);
+  // OKVIS2's names, and an IMU that is not the body: the body is 1 m along the IMU's z.
+  const RigFile apart =
+      read("%YAML:1.0\ncameras:\n" + camera(kFlat, "radialtangential8", "1, 2, 3, 4, 5, 6, 7, 8") +
+           "camera_params:\n    image_delay: 0.002\nimu_params:\n"
+           "    T_BS: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, -1, 0, 0, 0, 1]\n");
+  EXPECT_LT((apart.cameras.at(0).T_BC.p - Vec3(0.02, 0.05, 0.97)).norm(), 1e-12);
+  EXPECT_EQ(apart.cameras[0].shift_ns, -2'000'000);
+  EXPECT_EQ(apart.cameras[0].lens.d[7], 8);
+  EXPECT_FALSE(apart.imu.has_value());
 }
 
-// In cm, each camera against another one: the right one and the IMU stand by the left one.
-TEST_F(rig_file, depthai_chains_cameras) {
-  const auto camera = [](int socket, int to, const char* x) {
-    return "[" + std::to_string(socket) +
-           ",{\"cameraType\":0,\"width\":640,\"height\":480,"
-           "\"intrinsicMatrix\":[[400,0,320],[0,401,240],[0,0,1]],"
-           "\"distortionCoeff\":[-4.6,12.8,0,0,-3.2,-4.7,13.0,-3.5,0,0,0,0,0,0],\"extrinsics\":{"
-           "\"rotationMatrix\":[[1,0,0],[0,1,0],[0,0,1]],\"toCameraSocket\":" +
-           std::to_string(to) + ",\"translation\":{\"x\":" + x + ",\"y\":0,\"z\":0}}}]";
-  };
-  const auto text = [&](const char* imu_R) {
-    return "{\"cameraData\":[" + camera(0, -1, "0") + "," + camera(1, 2, "-10") + "," +
-           camera(2, 0, "5") +
-           "],\"stereoRectificationData\":{\"leftCameraSocket\":1,"
-           "\"rightCameraSocket\":2},\"imuExtrinsics\":{\"rotationMatrix\":" +
-           imu_R + ",\"toCameraSocket\":1,\"translation\":{\"x\":5,\"y\":-3,\"z\":-2}}}";
-  };
-  // p_left = R p_imu + t: the inverse of T_imu_cam above.
-  expect_pair(read(text("[[0,-1,0],[0,0,-1],[1,0,0]]")));
-  EXPECT_NE(refusal(text("[[0,0,0],[0,0,0],[0,0,0]]")).find("no extrinsics"), std::string::npos);
+TEST_F(rig_file, asl_has_a_file_for_each_sensor) {
+  disk.write("cam.yaml", "sensor_type: camera\nT_BS:\n  cols: 4\n  rows: 4\n  data: [" +
+                             std::string(kFlat) +
+                             "]\nrate_hz: 20\nresolution: [752, 480]\ncamera_model: pinhole\n"
+                             "intrinsics: [458.5, 457.25, 367.25, 248.5] #fu, fv, cu, cv\n"
+                             "distortion_model: radial-tangential\n"
+                             "distortion_coefficients: [-0.25, 0.125, 0.5, 0.0625]\n"
+                             "timeshift_cam_imu: 0.0034\n");
+  const RigCamera camera = read_asl_sensor(Document(disk.path("cam.yaml")));
+  expect_left(camera);
+  EXPECT_EQ(camera.lens.width, 752);
+  EXPECT_EQ(camera.lens.fy, 457.25);
+  EXPECT_EQ(camera.lens.cx, 367.25);
+  EXPECT_EQ(camera.lens.d[3], 0.0625);
+  EXPECT_EQ(camera.shift_ns, 3'400'000);
+  disk.write("imu.yaml", imu(""));
+  EXPECT_EQ(find_noise(disk.path("imu.yaml"))->noise.rate_hz, 200);
+}
+
+// Whatever part of a file is left, it is a rig or one line says why not.
+TEST_F(rig_file, files_that_are_cut_off_are_told) {
+  const std::string pose = "T_imu_cam: [" + std::string(kFlat) + "]";
+  const std::string whole[] = {
+      "cam0:\n" + kalibr_camera(pose) + "cam1:\n" + kalibr_camera(pose),
+      "%YAML:1.0\nFile.version: \"1.0\"\nCamera.type: \"PinHole\"\nCamera1.fx: 400.0\n"
+      "Camera1.fy: 401.0\nCamera1.cx: 320.0\nCamera1.cy: 240.0\nCamera.width: 640\n"
+      "Camera.height: 480\nIMU.T_b_c1: " +
+          matrix(kFlat),
+      "{\"value0\":{\"T_imu_cam\":[{\"px\":0,\"py\":0,\"pz\":0,\"qx\":0,\"qy\":0,\"qz\":0,"
+      "\"qw\":1}],\"intrinsics\":[{\"camera_type\":\"pinhole\",\"intrinsics\":{\"fx\":1,"
+      "\"fy\":2,\"cx\":3,\"cy\":4}}],\"resolution\":[[640,480]]}}"};
+  for (const std::string& text : whole) {
+    EXPECT_EQ(refusal(text), "") << text;
+    size_t told = 0, cuts = 0;
+    for (size_t size = 0; size < text.size(); size += 11, ++cuts) {
+      const std::string said = refusal(text.substr(0, size));
+      EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+      told += !said.empty();
+    }
+    EXPECT_GT(told, cuts / 3);
+  }
 }
 
 TEST_F(rig_file, refusals_say_what_to_do) {

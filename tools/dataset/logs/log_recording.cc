@@ -8,6 +8,7 @@
 #include "tools/dataset/calibration/rig_file.h"
 #include "tools/dataset/image_store.h"
 #include "tools/dataset/input_error.h"
+#include "tools/dataset/logs/log_rig.h"
 #include "tools/dataset/logs/ros_message.h"
 
 namespace pirvs::tools {
@@ -16,6 +17,8 @@ namespace {
 constexpr const char* kImage = "sensor_msgs/Image";
 constexpr const char* kCompressed = "sensor_msgs/CompressedImage";
 constexpr const char* kImu = "sensor_msgs/Imu";
+constexpr const char* kInfo = "sensor_msgs/CameraInfo";
+constexpr const char* kTransforms[] = {"tf2_msgs/TFMessage", "tf/tfMessage"};
 
 // A message by "topic chunk at size".
 std::string key_of(size_t topic, const LogPlace& place) {
@@ -77,11 +80,26 @@ class LogImages : public ImageStore {
 
 struct Found {
   LogTopic topic;
+  std::string frame_id;  // of its first message
   size_t messages = 0, bad = 0;
   std::vector<ListedImage> images;
   std::vector<ImuSample> samples;
   std::vector<TrajectoryPose> poses;
+  std::optional<CameraInfo> info;  // the first one
+  std::vector<RosTransform> transforms;
 };
+
+// The transforms of a message, each pair of frames once: the others say the same of a rig, or move.
+bool add_transforms(const LogMessage& message, Found& found) {
+  std::vector<RosTransform> links;
+  if (!decode_transforms(message.bytes, found.topic.cdr, links)) return false;
+  for (const RosTransform& link : links) {
+    const auto same = [&](const RosTransform& t) { return t.child == link.child; };
+    auto& all = found.transforms;
+    if (std::none_of(all.begin(), all.end(), same)) all.push_back(link);
+  }
+  return true;
+}
 
 // All that is small; images by their places.
 std::vector<Found> scan(LogFile& log) {
@@ -101,10 +119,21 @@ std::vector<Found> scan(LogFile& log) {
     if (topic.type == kImage || topic.type == kCompressed) {
       good = decode_header(message.bytes, topic.cdr, header);
       if (good) found.images.push_back({header.t, key_of(message.topic, message.place)});
+      if (found.images.size() == 1) found.frame_id = header.frame_id;
     } else if (topic.type == kImu) {
       good = decode_imu(message.bytes, topic.cdr, sample) && sample.w_B.allFinite() &&
              sample.f_B.allFinite();
       if (good) found.samples.push_back(sample);
+      if (found.frame_id.empty() && decode_header(message.bytes, topic.cdr, header)) {
+        found.frame_id = header.frame_id;
+      }
+    } else if (topic.type == kInfo) {
+      if (found.info) return;
+      CameraInfo info;
+      good = decode_camera_info(message.bytes, topic.cdr, info);
+      if (good) found.info = info;
+    } else if (topic.type == kTransforms[0] || topic.type == kTransforms[1]) {
+      good = add_transforms(message, found);
     } else if (is_pose(topic.type)) {
       good = decode_pose(topic.type, message.bytes, topic.cdr, pose);
       if (good) found.poses.push_back(pose);
@@ -189,8 +218,9 @@ bool is_still(const std::vector<ImuSample>& samples, Vec3 ImuSample::*vector) {
                      [&](const ImuSample& s) { return (s.*vector).isZero(0); });
 }
 
-void read_imu(std::vector<Found>& all, const RecordingOptions& options, const std::string& path,
-              Recording& recording) {
+// Also its frame.
+std::string read_imu(std::vector<Found>& all, const RecordingOptions& options,
+                     const std::string& path, Recording& recording) {
   auto topics = of_kind(all, options, [](const Found& found) { return !found.samples.empty(); });
   Found *whole = nullptr, *gyro = nullptr, *accel = nullptr;
   for (Found* found : topics) {
@@ -212,6 +242,7 @@ void read_imu(std::vector<Found>& all, const RecordingOptions& options, const st
         "no IMU: no messages of " + std::string(kImu) + "; the log has " + list_of(all), path,
         "record the IMU's topic, too");
   }
+  return (whole != nullptr ? whole : gyro)->frame_id;
 }
 
 void read_truth(std::vector<Found>& all, const RecordingOptions& options, Recording& recording) {
@@ -247,17 +278,52 @@ void read_frames(const std::vector<Found*>& cameras, const Rig& rig, Recording& 
              left.topic.name, recording);
 }
 
-// The one asked for, or what `pirvs convert` has left beside the log.
+// The one asked for, or what `pirvs convert` has left beside the log; empty: none.
 std::string calibration_of(const std::string& path, const RecordingOptions& options,
                            InputLog& log) {
   if (!options.calibration.empty()) return options.calibration;
   const std::string beside = std::filesystem::path(path).replace_extension(".cfg").string();
-  if (!std::filesystem::is_regular_file(beside)) {
-    throw InputError("a log has no calibration of cameras and IMU together", path,
-                     "give one with --calib (docs/formats.md)");
-  }
+  if (!std::filesystem::is_regular_file(beside)) return "";
   log.note("calibration: " + beside);
   return beside;
+}
+
+// What the log says itself.
+RigFile own_rig(const std::vector<Found>& all, const std::vector<Found*>& cameras,
+                const std::string& imu_frame, const RecordingOptions& options,
+                const std::string& path) {
+  std::vector<RosTransform> transforms;
+  for (const Found& found : all) {
+    transforms.insert(transforms.end(), found.transforms.begin(), found.transforms.end());
+  }
+  std::vector<LogCamera> out;
+  const size_t wanted = options.mono ? 1 : 2;
+  for (size_t c = 0; c < std::min(wanted, cameras.size()); ++c) {
+    const std::string& topic = cameras[c]->topic.name;
+    const auto info = std::find_if(all.begin(), all.end(), [&](const Found& found) {
+      return found.info && found.topic.name == info_topic_of(topic);
+    });
+    if (info == all.end()) {
+      throw InputError(
+          "a log has no calibration of cameras and IMU together, and this one has no " +
+              info_topic_of(topic) + " either",
+          path, "give one with --calib (docs/formats.md)");
+    }
+    out.push_back({topic, cameras[c]->frame_id, info->topic.name, *info->info});
+  }
+  return rig_of_log(path, out, imu_frame, transforms);
+}
+
+std::pair<int, int> size_of(LogFile& log, const Found& camera) {
+  size_t topic = 0;
+  LogPlace place;
+  cv::Mat grey;
+  if (!read_key(camera.images[0].file, topic, place)) return {0, 0};
+  const Bytes bytes = log.load(place);
+  const bool good = camera.topic.type == kImage
+                        ? decode_image(bytes, camera.topic.cdr, grey)
+                        : decode_compressed_image(bytes, camera.topic.cdr, grey);
+  return good ? std::pair(grey.cols, grey.rows) : std::pair(0, 0);
 }
 
 }  // namespace
@@ -272,22 +338,27 @@ void read_log(std::unique_ptr<LogFile> log, const std::string& path,
   how.imu = options.imu;
   how.cameras = options.cameras;
   how.mono = options.mono;
-  const auto cameras = cameras_of(all, rig_topics(calibration), options);
+  const bool given = !calibration.empty();
+  const auto cameras =
+      cameras_of(all, given ? rig_topics(calibration) : std::vector<std::string>(), options);
   if (cameras.empty()) {
     throw InputError("no images: no messages of " + std::string(kImage) + " or " + kCompressed +
                          "; the log has " + list_of(all),
                      path, "record the cameras' topics, too");
   }
   if (cameras.size() < 2) how.mono = true;
-  const Rig rig = read_rig(calibration, how, recording);
+  how.image_size = [&] { return size_of(*log, *cameras[0]); };
+  const std::string imu_frame = read_imu(all, options, path, recording);
+  const Rig rig =
+      given ? read_rig(calibration, how, recording)
+            : make_rig(own_rig(all, cameras, imu_frame, options, path), path, how, recording);
   for (int c = 0; c < rig.calibration.cameras; ++c) {
     if (size_t(rig.camera[c]) < cameras.size()) continue;
     throw InputError(
         "no topic for cam" + std::to_string(rig.camera[c]) + "; the log has " + list_of(all), path,
         "name the cameras' topics with --topics, in the calibration's order");
   }
-  read_imu(all, options, path, recording);
-  take_rig(rig, calibration, recording);
+  take_rig(rig, given ? calibration : path, recording);
   constexpr TimeNs kWorthAWord = 10'000'000;
   note_gaps(recording.imu, "imu", kWorthAWord, recording);
   read_frames(cameras, rig, recording);

@@ -1,5 +1,6 @@
 #include "tools/dataset/logs/ros_message.h"
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <cstring>
 #include <opencv2/imgcodecs.hpp>
@@ -194,6 +195,53 @@ bool decode_pose(const std::string& type, Bytes bytes, bool cdr, TrajectoryPose&
   if (!wire.good() || !out.p_WB.allFinite() || !(norm > 0.5 && norm < 2)) return false;
   out.q_WB /= norm;
   return true;
+}
+
+bool decode_camera_info(Bytes bytes, bool cdr, CameraInfo& out) {
+  constexpr uint32_t kCoefficientsMax = 64;
+  Wire wire(bytes, cdr);
+  out.frame_id = wire.header().frame_id;
+  out.height = wire.number<uint32_t>();
+  out.width = wire.number<uint32_t>();
+  out.distortion_model = wire.text();
+  const auto count = wire.number<uint32_t>();
+  if (!wire.good() || count > kCoefficientsMax) return false;
+  out.D.resize(count);
+  bool finite = true;
+  const auto next = [&] {
+    const auto value = wire.number<double>();
+    finite = finite && std::isfinite(value);
+    return value;
+  };
+  for (double& value : out.D) value = next();
+  for (int i = 0; i < 9; ++i) out.K(i / 3, i % 3) = next();
+  for (int i = 0; i < 9; ++i) out.R(i / 3, i % 3) = next();
+  for (int i = 0; i < 12; ++i) out.P(i / 4, i % 4) = next();
+  out.binning_x = wire.number<uint32_t>();
+  out.binning_y = wire.number<uint32_t>();
+  out.roi_x = wire.number<uint32_t>();
+  out.roi_y = wire.number<uint32_t>();
+  out.roi_height = wire.number<uint32_t>();
+  out.roi_width = wire.number<uint32_t>();
+  return wire.good() && finite;
+}
+
+bool decode_transforms(Bytes bytes, bool cdr, std::vector<RosTransform>& out) {
+  Wire wire(bytes, cdr);
+  const auto count = wire.number<uint32_t>();
+  for (uint32_t i = 0; i < count && wire.good(); ++i) {
+    RosTransform link;
+    link.parent = wire.header().frame_id;
+    link.child = wire.text();
+    link.T.p = wire.vector();
+    Eigen::Quaterniond q;
+    for (int k = 0; k < 4; ++k) q.coeffs()[k] = wire.number<double>();  // x y z w
+    const double norm = q.norm();
+    if (!wire.good() || !link.T.p.allFinite() || !(norm > 0.5 && norm < 2)) return false;
+    link.T.R = q.normalized().toRotationMatrix();
+    out.push_back(link);
+  }
+  return wire.good();
 }
 
 }  // namespace pirvs::tools

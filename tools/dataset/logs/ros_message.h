@@ -5,7 +5,7 @@
 // Units   ns since 1970; rad/s, m/s^2; m.
 // Errors  false: cut off, or not what the type says.
 // Cost    no copy of pixels.
-// Source  sensor_msgs, geometry_msgs, nav_msgs; OMG DDS-XTypes 1.3, 7.4 (plain CDR).
+// Source  sensor_msgs, geometry_msgs, nav_msgs, tf2_msgs; OMG DDS-XTypes 1.3, 7.4 (plain CDR).
 #pragma once
 
 #include <opencv2/core/mat.hpp>
@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "bsp/api/imu.h"
+#include "core/math/se3.h"
 #include "tools/dataset/logs/log_file.h"
 #include "tools/dataset/trajectory.h"
 
@@ -37,5 +38,25 @@ Bytes compressed_image(Bytes bytes, bool cdr);
 // nav_msgs/Odometry, geometry_msgs/PoseStamped, PoseWithCovarianceStamped, TransformStamped.
 bool is_pose(const std::string& type);
 bool decode_pose(const std::string& type, Bytes bytes, bool cdr, TrajectoryPose& out);
+
+// sensor_msgs/CameraInfo, as it is.
+struct CameraInfo {
+  std::string frame_id, distortion_model;
+  uint32_t width = 0, height = 0;
+  std::vector<double> D;
+  Mat3 K = Mat3::Zero(), R = Mat3::Zero();
+  Eigen::Matrix<double, 3, 4> P = Eigen::Matrix<double, 3, 4>::Zero();
+  uint32_t binning_x = 0, binning_y = 0;
+  uint32_t roi_x = 0, roi_y = 0, roi_width = 0, roi_height = 0;  // 0: all of it
+};
+// false also where a number is not finite.
+bool decode_camera_info(Bytes bytes, bool cdr, CameraInfo& out);
+
+// Of tf2_msgs/TFMessage, or tf/tfMessage.
+struct RosTransform {
+  std::string parent, child;
+  SE3 T;  // child -> parent
+};
+bool decode_transforms(Bytes bytes, bool cdr, std::vector<RosTransform>& out);
 
 }  // namespace pirvs::tools
