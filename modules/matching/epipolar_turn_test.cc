@@ -16,26 +16,43 @@ using testing::Rig;
 
 constexpr double kDegree = kPi / 180;
 
-// Points all over the image, 2 to 8 m away, a share of them matched with anything. The right camera
-// stands turned about its own axes by turn_C1.
+// A rig whose right camera stands turned about its own axes by turn_C1, and points all over the left
+// image, 2 to 8 m away.
+struct Bent {
+  Bent(const Vec3& turn_C1, uint32_t seed) : random(seed), T_BC1(rig.camera[1].T_BC) {
+    T_BC1.R = T_BC1.R * so3_exp(turn_C1);
+    turn.configure(rig.camera[0], rig.camera[1]);
+  }
+  // The next point, where both see it; false: the right one does not.
+  bool next(Vec3& f_C0, Vec2& uv_right) {
+    const Vec2 uv(random.uniform(20, 730), random.uniform(20, 460));
+    if (!rig.camera[0].unproject(uv, f_C0)) return false;
+    const Vec3 p_B = rig.camera[0].T_BC * Vec3(random.uniform(2, 8) * f_C0);
+    f_C0.normalize();
+    return rig.camera[1].project(T_BC1.inverse() * p_B, uv_right);
+  }
+  bool bearing(const Vec2& uv_right, Vec3& f_C1) const {
+    const bool ok = rig.camera[1].unproject(uv_right, f_C1);
+    f_C1.normalize();
+    return ok;
+  }
+  Rig rig{CameraModel::kPinholeRadtan};
+  Random random;
+  SE3 T_BC1;
+  EpipolarTurn turn;
+};
+
+// A share of the points matched with anything near by.
 EpipolarTurn seen(const Vec3& turn_C1, int matches = 400, double strays = 0.1) {
-  const Rig rig(CameraModel::kPinholeRadtan);
-  Random random(5);
-  EpipolarTurn out;
-  out.configure(rig.camera[0], rig.camera[1]);
-  SE3 T_BC1 = rig.camera[1].T_BC;
-  T_BC1.R = T_BC1.R * so3_exp(turn_C1);
+  Bent bent(turn_C1, 5);
   for (int i = 0; i < matches; ++i) {
     Vec3 f_C0, f_C1;
-    const Vec2 uv(random.uniform(20, 730), random.uniform(20, 460));
-    if (!rig.camera[0].unproject(uv, f_C0)) continue;
-    const Vec3 p_B = rig.camera[0].T_BC * Vec3(random.uniform(2, 8) * f_C0);
     Vec2 uv_right;
-    if (!rig.camera[1].project(T_BC1.inverse() * p_B, uv_right)) continue;
-    uv_right += random.pixel(random.uniform(0, 1) < strays ? 20 : 0.3);
-    if (rig.camera[1].unproject(uv_right, f_C1)) out.add(f_C0.normalized(), f_C1.normalized());
+    if (!bent.next(f_C0, uv_right)) continue;
+    uv_right += bent.random.pixel(bent.random.uniform(0, 1) < strays ? 20 : 0.3);
+    if (bent.bearing(uv_right, f_C1)) bent.turn.add(f_C0, f_C1);
   }
-  return out;
+  return bent.turn;
 }
 
 TEST(epipolar_turn, cameras_that_stand_as_calibrated_agree) {
@@ -66,26 +83,18 @@ TEST(epipolar_turn, strays_and_few_matches_tell_nothing) {
 
 // Points that look alike, of which a share are not the same.
 EpipolarTurn looked(const Vec3& turn_C1, int count, double wrong) {
-  const Rig rig(CameraModel::kPinholeRadtan);
-  Random random(6);
-  EpipolarTurn out;
-  out.configure(rig.camera[0], rig.camera[1]);
-  SE3 T_BC1 = rig.camera[1].T_BC;
-  T_BC1.R = T_BC1.R * so3_exp(turn_C1);
+  Bent bent(turn_C1, 6);
+  Random& random = bent.random;
   std::vector<EpipolarTurn::Look> looks;
   while (static_cast<int>(looks.size()) < count) {
     EpipolarTurn::Look look;
-    if (!rig.camera[0].unproject(Vec2(random.uniform(20, 730), random.uniform(20, 460)), look.f_C0))
-      continue;
-    const Vec3 p_B = rig.camera[0].T_BC * Vec3(random.uniform(2, 8) * look.f_C0);
     Vec2 uv;
-    if (!rig.camera[1].project(T_BC1.inverse() * p_B, uv)) continue;
+    if (!bent.next(look.f_C0, uv)) continue;
     if (random.uniform(0, 1) < wrong) uv = Vec2(random.uniform(20, 730), random.uniform(20, 460));
-    if (!rig.camera[1].unproject(uv + random.pixel(0.5), look.f_C1)) continue;
-    looks.push_back({look.f_C0.normalized(), look.f_C1.normalized()});
+    if (bent.bearing(uv + random.pixel(0.5), look.f_C1)) looks.push_back(look);
   }
-  out.add_looks(looks.data(), count);
-  return out;
+  bent.turn.add_looks(looks.data(), count);
+  return bent.turn;
 }
 
 TEST(epipolar_turn, far_off_the_curves_looks_tell) {
