@@ -16,8 +16,8 @@ using testing::Rig;
 
 constexpr double kDegree = kPi / 180;
 
-// A rig whose right camera stands turned about its own axes by turn_C1, and points all over the left
-// image, 2 to 8 m away.
+// A rig whose right camera stands turned about its own axes by turn_C1, and points 2 to 8 m away
+// all over the left image.
 struct Bent {
   Bent(const Vec3& turn_C1, uint32_t seed) : random(seed), T_BC1(rig.camera[1].T_BC) {
     T_BC1.R = T_BC1.R * so3_exp(turn_C1);
