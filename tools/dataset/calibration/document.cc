@@ -48,6 +48,15 @@ void append(const YAML::Node& node, std::vector<double>& out) {
   }
 }
 
+// A key in quotes: YAML may begin with a bracket as well.
+bool begins_as_json(const std::string& content) {
+  constexpr const char* kSpace = " \t\r\n";
+  const size_t first = content.find_first_not_of(kSpace);
+  if (first == std::string::npos || content[first] != '{') return false;
+  const size_t next = content.find_first_not_of(kSpace, first + 1);
+  return next == std::string::npos || content[next] == '"' || content[next] == '}';
+}
+
 }  // namespace
 
 Document::Document(const std::string& path) : path_(path) {
@@ -57,16 +66,15 @@ Document::Document(const std::string& path) : path_(path) {
   std::ostringstream text;
   text << std::ifstream(path, std::ios::binary).rdbuf();
   const std::string content = text.str();
-  const size_t first = content.find_first_not_of(" \t\r\n");
+  const bool json = begins_as_json(content);
   try {
-    if (first != std::string::npos && content[first] == '{') {
+    if (json) {
       const Json json = Json::parse(content, nullptr, false, true);
       root_ = json.is_discarded() ? YAML::Load(content) : node_of(json, 0);
     } else {
       root_ = YAML::Load(content);
     }
   } catch (const YAML::Exception& error) {
-    const bool json = first != std::string::npos && content[first] == '{';
     fail(json ? "not JSON, or cut off" : "not YAML", "line " + std::to_string(error.mark.line + 1),
          json ? "write the file again" : "repair the calibration");
   } catch (const std::runtime_error& error) {
