@@ -60,6 +60,28 @@ double power_of_ten(int exponent) {  // exact up to 22
   return power;
 }
 
+__extension__ using Wide = unsigned __int128;
+constexpr int kWideExponentMax = 37;  // 10^37 and twice a remainder of it fit
+
+// mantissa / 10^exponent, rounded once: long division, bit by bit, to two bits more than a double
+// has, of which the last says whether anything is left.
+double divided(uint64_t mantissa, int exponent) {
+  Wide divisor = 1;
+  for (int i = 0; i < exponent; ++i) divisor *= 10;
+  uint64_t quotient = 0;
+  Wide rest = 0;
+  double unit = 1;
+  const auto next = [&](uint64_t bit) {
+    rest = 2 * rest + bit;
+    const bool one = rest >= divisor;
+    if (one) rest -= divisor;
+    quotient = 2 * quotient + (one ? 1 : 0);
+  };
+  for (int i = 63; i >= 0; --i) next(mantissa >> i & 1);
+  for (; quotient < uint64_t{1} << 54; unit /= 2) next(0);
+  return static_cast<double>(quotient | (rest != 0 ? 1 : 0)) * unit;
+}
+
 }  // namespace
 
 bool read_number(std::string_view text, double& value) {
@@ -83,6 +105,15 @@ bool read_number(std::string_view text, double& value) {
     if (!read_exponent(in, decimal.exponent)) return false;
   }
   if (in.more()) return false;
+  constexpr uint64_t kExact = uint64_t{1} << 53;
+  constexpr int kExactExponent = 22;
+  const int digits = -decimal.exponent;
+  if (digits > 0 && digits <= kWideExponentMax && decimal.mantissa != 0 &&
+      (decimal.mantissa > kExact || digits > kExactExponent)) {
+    const double size = divided(decimal.mantissa, digits);
+    value = minus ? -size : size;
+    return true;
+  }
   double size = static_cast<double>(decimal.mantissa);
   // In two halves, so that a power beyond the double's range does not make 0 * infinity.
   const int exponent = decimal.exponent < 0 ? -decimal.exponent : decimal.exponent;

@@ -46,6 +46,20 @@ TEST(number, goes_to_the_ends_of_the_range) {
   EXPECT_NEAR(value / 1.2345678901234567890123e-22, 1, 1e-15);
 }
 
+TEST(number, reads_every_double_back) {
+  std::mt19937_64 random(2);
+  for (int i = 0; i < 50000; ++i) {
+    const double wanted = std::ldexp(double(random()), int(random() % 90) - 105);
+    for (const char* format : {"%.17g", "%.17e", "%.16e"}) {
+      char text[40];
+      std::snprintf(text, sizeof text, format, wanted);
+      double value = 0;
+      ASSERT_TRUE(read_number(text, value));
+      ASSERT_EQ(value, wanted) << text;
+    }
+  }
+}
+
 TEST(number, reads_every_float_back) {
   std::mt19937 random(1);
   for (int i = 0; i < 20000; ++i) {

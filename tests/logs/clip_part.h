@@ -12,9 +12,7 @@ namespace pirvs::systems {
 inline constexpr double kPart_s = 5;
 
 tools::Recording first_part();
+// Reads back to the bit.
 std::string calibration_file(const std::string& folder);
-// As text to the digit, or one beside it: the calibration is read back to the last bit, or one
-// beside it (core/base/number.h).
-void expect_same_trajectory(const std::string& got, const std::string& wanted);
 
 }  // namespace pirvs::systems
