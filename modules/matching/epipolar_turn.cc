@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
+#include "core/math/random.h"
 #include "core/math/square.h"
 #include "core/store/fixed_vector.h"
 #include "modules/frontend/track.h"
@@ -54,36 +55,38 @@ void EpipolarTurn::add(const Vec3& f_C0, const Vec3& f_C1) {
 }
 
 void EpipolarTurn::add_looks(const Look* looks, int count) {
-  constexpr int kTries = 100, kSample = 3, kLooksMin = 12;
+  constexpr int kTries = 100, kSample = 3;
+  constexpr size_t kLooksMin = 12;
   FixedVector<Miss, kTracksMax> misses;
   for (int i = 0; i < count && !misses.full(); ++i) {
     Miss m;
     if (miss(looks[i].f_C0, looks[i].f_C1, m)) (void)misses.push_back(m);
   }
-  const int n = static_cast<int>(misses.size());
+  const size_t n = misses.size();
   if (n < kLooksMin) return;
   const auto fits = [&](const Miss& m, const Vec3& turn) {
     return std::abs(m.off_rad + m.J.dot(turn)) < kStray_px * pixel_rad_;
   };
-  uint32_t state = 12345;  // the same input gives the same samples
+  RandomGenerator random;
   Vec3 best = Vec3::Zero();
-  int best_fits = 0;
+  size_t best_fits = 0;
   for (int i = 0; i <= kTries; ++i) {
     Vec3 turn = Vec3::Zero();  // the first guess: as calibrated
     if (i > 0) {
       Mat3 H = square(kMatch_px * pixel_rad_ / kBegin_rad) * Mat3::Identity();
       Vec3 b = Vec3::Zero();
       for (int k = 0; k < kSample; ++k) {
-        state = state * 1664525u + 1013904223u;
-        const Miss& m = misses[(static_cast<uint64_t>(state) * static_cast<uint64_t>(n)) >> 32];
+        const Miss& m = misses[random.below(static_cast<uint32_t>(n))];
         H += m.J * m.J.transpose();
         b -= m.off_rad * m.J;
       }
       turn = H.inverse() * b;
     }
-    int fitting = 0;
+    size_t fitting = 0;
     for (const Miss& m : misses) fitting += fits(m, turn) ? 1 : 0;
-    if (fitting > best_fits) best_fits = fitting, best = turn;
+    if (fitting <= best_fits) continue;
+    best_fits = fitting;
+    best = turn;
   }
   if (2 * best_fits < n || best_fits < kLooksMin) return;
   for (const Miss& m : misses) {

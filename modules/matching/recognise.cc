@@ -6,6 +6,7 @@
 #include <Eigen/LU>
 
 #include "core/kernels/hamming/hamming.h"
+#include "core/math/random.h"
 
 namespace pirvs {
 namespace {
@@ -15,16 +16,6 @@ constexpr int kTries = 300;
 constexpr double kFit_rad2 = 0.01 * 0.01;  // 4.6 px of EuRoC's lens
 constexpr double kDistance_m_min = 0.1;
 constexpr double kNorm_tolerance = 0.2;  // of cos^2 + sin^2, which the linear fit leaves free
-
-// A linear congruential generator (Numerical Recipes), seeded anew for each place: the same input
-// gives the same samples.
-struct RandomGenerator {
-  uint32_t state = 12345;
-  uint32_t below(uint32_t n) {
-    state = state * 1664525u + 1013904223u;
-    return static_cast<uint32_t>((static_cast<uint64_t>(state) * n) >> 32);
-  }
-};
 
 Vec3 turned_back(const Vec3& p_W, double c, double s) {
   return {c * p_W.x() + s * p_W.y(), -s * p_W.x() + c * p_W.y(), p_W.z()};
@@ -137,7 +128,7 @@ bool Recogniser::solve(const MapView& view, PlaceRule rule, const Mat3& R_WB,
   find_pairs(view, R_WB, tracks);
   const uint32_t n = static_cast<uint32_t>(pairs_.size());
   if (static_cast<int>(n) < wanted) return false;
-  RandomGenerator random;
+  RandomGenerator random;  // anew for each place
   Guess best, guess;
   int best_fits = 0;
   for (int i = 0; i < kTries; ++i) {

@@ -69,18 +69,14 @@ StereoLoss StereoMatcher::find(int from, const PyramidStore& image_from,
   Scanned scanned;
   StereoLoss loss = scan(from, image_from, image_to, uv_from, scanned);
   if (loss != StereoLoss::kFound) return count(loss);
-  float residual = 0, rival = 0;
-  loss = align(image_from, image_to, uv_from, scanned.best, residual);
-  if (loss != StereoLoss::kFound) return count(loss);
-  if (residual > params_.residual_grey_max) return count(StereoLoss::kResidual);
-  const bool ambiguous =
-      scanned.rivalled &&
-      align(image_from, image_to, uv_from, scanned.rival, rival) == StereoLoss::kFound &&
-      residual >= kAlike * rival && (scanned.rival - scanned.best).norm() > params_.return_px_max;
   uv_to = scanned.best;
-  // Of what is ambiguous it is told as well how far off the epipolar curve it ends.
-  loss = check(from, image_from, image_to, uv_from, uv_to);
-  return count(loss == StereoLoss::kFound && ambiguous ? StereoLoss::kAmbiguous : loss);
+  float residual = 0, rival = 0;
+  loss = refine(from, image_from, image_to, uv_from, uv_to, residual);
+  const bool rivalled =
+      loss == StereoLoss::kFound && scanned.rivalled &&
+      align(image_from, image_to, uv_from, scanned.rival, rival) == StereoLoss::kFound &&
+      residual >= kAlike * rival && (scanned.rival - uv_to).norm() > params_.return_px_max;
+  return count(rivalled ? StereoLoss::kAmbiguous : loss);
 }
 
 StereoLoss StereoMatcher::find_near(int from, const PyramidStore& image_from,
@@ -88,10 +84,7 @@ StereoLoss StereoMatcher::find_near(int from, const PyramidStore& image_from,
                                     const Vec2& uv_expected, Vec2& uv_to) {
   uv_to = uv_expected;
   float residual = 0;
-  const StereoLoss loss = align(image_from, image_to, uv_from, uv_to, residual);
-  if (loss != StereoLoss::kFound) return count(loss);
-  if (residual > params_.residual_grey_max) return count(StereoLoss::kResidual);
-  return count(check(from, image_from, image_to, uv_from, uv_to));
+  return count(refine(from, image_from, image_to, uv_from, uv_to, residual));
 }
 
 // Disparity is linear in inverse depth, so equal steps of it are equal steps in the image.
@@ -155,17 +148,19 @@ StereoLoss StereoMatcher::scan(int from, const PyramidStore& image_from,
   return StereoLoss::kFound;
 }
 
-// The way back ends where it began, and the match lies on its epipolar curve.
-StereoLoss StereoMatcher::check(int from, const PyramidStore& image_from,
-                                const PyramidStore& image_to, const Vec2& uv_from,
-                                const Vec2& uv_to) {
+// Aligned, and then the way back ends where it began, and the match lies on its epipolar curve.
+StereoLoss StereoMatcher::refine(int from, const PyramidStore& image_from,
+                                 const PyramidStore& image_to, const Vec2& uv_from, Vec2& uv_to,
+                                 float& residual) {
+  const StereoLoss loss = align(image_from, image_to, uv_from, uv_to, residual);
+  if (loss != StereoLoss::kFound) return loss;
+  if (residual > params_.residual_grey_max) return StereoLoss::kResidual;
   const float x0 = static_cast<float>(uv_from.x()), y0 = static_cast<float>(uv_from.y());
   const float x = static_cast<float>(uv_to.x()), y = static_cast<float>(uv_to.y());
-  float residual = 0;
   LkPatch patch;
-  float back_x = x0, back_y = y0;
+  float back_x = x0, back_y = y0, back_residual = 0;
   if (!lk_extract(image_to.level(0), x, y, patch) || !patch.usable) return StereoLoss::kOutside;
-  if (!lk_align(image_from.level(0), patch, back_x, back_y, 4, 0.02f, residual)) {
+  if (!lk_align(image_from.level(0), patch, back_x, back_y, 4, 0.02f, back_residual)) {
     return StereoLoss::kReturn;
   }
   const float dx = back_x - x0, dy = back_y - y0;
@@ -188,26 +183,24 @@ StereoLoss StereoMatcher::check(int from, const PyramidStore& image_from,
 
 void StereoMatcher::compare_looks(const Tracks& left, const Tracks& right) {
   constexpr MatchingParams kLooks;
+  FixedVector<const Track*, kTracksMax> others;
+  FixedVector<Descriptor, kTracksMax> descriptors;
+  for (const Track& track : right) {
+    if (!track.described) continue;
+    (void)others.push_back(&track);
+    (void)descriptors.push_back(track.descriptor);
+  }
   FixedVector<EpipolarTurn::Look, kTracksMax> looks;
   for (const Track& track : left) {
     if (!track.described) continue;
-    int distance = kHammingNone, second = kHammingNone;
-    const Track* best = nullptr;
-    for (const Track& other : right) {
-      if (!other.described) continue;
-      const int d = hamming(track.descriptor, other.descriptor);
-      if (d < distance) {
-        second = distance;
-        distance = d;
-        best = &other;
-      } else {
-        second = std::min(second, d);
-      }
-    }
+    int best, distance, second;
+    hamming_best(track.descriptor, descriptors.data(), static_cast<int>(descriptors.size()), best,
+                 distance, second);
+    if (best < 0 || !is_match(kLooks, distance, second)) continue;
+    const Track& other = *others[static_cast<size_t>(best)];
     EpipolarTurn::Look look;
-    if (best == nullptr || !is_match(kLooks, distance, second)) continue;
     if (!camera_[0].unproject(Vec2(track.x, track.y), look.f_C0)) continue;
-    if (!camera_[1].unproject(Vec2(best->x, best->y), look.f_C1)) continue;
+    if (!camera_[1].unproject(Vec2(other.x, other.y), look.f_C1)) continue;
     look.f_C0.normalize();
     look.f_C1.normalize();
     (void)looks.push_back(look);

@@ -83,8 +83,8 @@ class StereoMatcher {
   };
   StereoLoss scan(int from, const PyramidStore& image_from, const PyramidStore& image_to,
                   const Vec2& uv_from, Scanned& out) const;
-  StereoLoss check(int from, const PyramidStore& image_from, const PyramidStore& image_to,
-                   const Vec2& uv_from, const Vec2& uv_to);
+  StereoLoss refine(int from, const PyramidStore& image_from, const PyramidStore& image_to,
+                    const Vec2& uv_from, Vec2& uv_to, float& residual);
   StereoLoss count(StereoLoss loss);
 
   Camera camera_[kCamerasMax];
