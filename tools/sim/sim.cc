@@ -68,11 +68,13 @@ Device calibrated_device(const std::string& path) {
 }
 
 // What a file's lens does itself, where the calibration only comes near it.
-std::vector<Vec3> own_rays(const std::string& path, size_t camera) {
-  if (find_device(path) != nullptr || fs::path(path).extension() == ".cfg") return {};
+void take_own_rays(const std::string& path, std::vector<Vec3>* rays_C /* [2] */) {
+  if (find_device(path) != nullptr || fs::path(path).extension() == ".cfg") return;
   const RigFile file = read_rig_file(path);
-  const Lens lens = lens_at(file, file.cameras.at(camera), 0, 0, path);
-  return fit(lens).exact ? std::vector<Vec3>() : rays_of(lens);
+  for (size_t c = 0; c < 2; ++c) {
+    const Lens lens = lens_at(file, file.cameras.at(c), 0, 0, path);
+    if (!fit(lens).exact) rays_C[c] = rays_of(lens);
+  }
 }
 
 Device make_device(const SimOptions& options) {
@@ -331,7 +333,7 @@ void simulate(const SimOptions& options, const SimProgress& progress) {
   Path path = make_path(options, device);
   Scene scene(path, make_scene_options(options, make_pillar(options, device, path)));
   Job job{options, device, std::move(path), std::move(scene), {}, {}};
-  for (size_t c = 0; c < 2; ++c) job.rays_C[c] = own_rays(options.device, c);
+  take_own_rays(options.device, job.rays_C);
   const double end_s = job.path.duration_s() - kLastFrame_s;
   for (size_t i = 0;; ++i) {
     const double t_s = kFirstFrame_s + double(i) / device.camera_rate_hz;

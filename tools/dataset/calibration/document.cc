@@ -69,8 +69,8 @@ Document::Document(const std::string& path) : path_(path) {
   const bool json = begins_as_json(content);
   try {
     if (json) {
-      const Json json = Json::parse(content, nullptr, false, true);
-      root_ = json.is_discarded() ? YAML::Load(content) : node_of(json, 0);
+      const Json parsed = Json::parse(content, nullptr, false, true);
+      root_ = parsed.is_discarded() ? YAML::Load(content) : node_of(parsed, 0);
     } else {
       root_ = YAML::Load(content);
     }
