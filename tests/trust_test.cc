@@ -63,8 +63,9 @@ TEST(trust, darkness_in_motion_is_no_reason_to_be_sure) {
     const char* fault;
     double light_s;
   };
-  for (const Dark& dark : {Dark{"black:3-9", 9}, Dark{"black:2-9", 9}, Dark{"black:4-11", 11},
-                           Dark{"black:5-12", 12}, Dark{"white:5-11", 11}}) {
+  for (const Dark& dark :
+       {Dark{"black:3-9", 9}, Dark{"black:2-9", 9}, Dark{"black:4-11", 11}, Dark{"black:5-12", 12},
+        Dark{"white:5-11", 11}, Dark{"black:5-13", 13}}) {
     const Replay run = replay(*clip(), {1, {dark.fault}});
     const Lies lies = lies_of(run, *clip(), dark.light_s + 2);
     std::printf("%s: lies %.1f %%, 2 s after light %.3f m, at the end %.3f m, %zu loops\n",
